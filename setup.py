@@ -3,6 +3,9 @@
 from setuptools import find_packages, setup
 
 setup(
-    packages=[*find_packages(include=["cyclemap*"]), "cyclemap.figures"],
+    packages=[
+        *find_packages(include=["cyclemap*"]),
+        *(f"cyclemap.{name}" for name in find_packages(include=["figures*"])),
+    ],
     package_dir={"cyclemap.figures": "figures"},
 )

@@ -20,7 +20,7 @@ from setuptools.command.bdist_wheel import bdist_wheel
 __all__ = ["build_sdist", "prepare_metadata_for_build_editable", "prepare_metadata_for_build_wheel"]
 
 # What a wheel is built from.
-NEEDED = ("pyproject.toml", "setup.py", "README.md", "LICENSE", "cyclemap/**/*", "figures/*")
+NEEDED = ("pyproject.toml", "setup.py", "README.md", "LICENSE", "cyclemap/**/*", "figures/**/*")
 
 Settings = dict[str, Any] | None
 

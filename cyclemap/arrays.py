@@ -23,6 +23,18 @@ def shorter_way(angle: npt.ArrayLike) -> Array:
     return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)
 
 
+def nodes_around(theta: Array, count: int) -> tuple[Whole, Whole, Array]:
+    """Return the nodes before and after angles, radians, any shape, of so many that are evenly
+    spread over the circle from 0, and the share of the way from the one to the other.
+
+    >>> nodes_around(np.array([0.25, 3.75]) * np.pi, 4)
+    (array([0, 3]), array([1, 0]), array([0.5, 0.5]))
+    """
+    place = np.mod(theta, TWO_PI) * (count / TWO_PI)
+    before = np.minimum(place.astype(int), count - 1)
+    return before, (before + 1) % count, place - before
+
+
 def stretches(mask: Mask) -> list[tuple[int, int]]:
     """Return where each stretch begins in which a mask holds, and the place behind its end.
 

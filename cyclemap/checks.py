@@ -40,28 +40,28 @@ def finite_number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise InvalidInput(f"{name} must be a finite number, not {value!r}")
     try:
-        number = float(value)
+        checked = float(value)
     except OverflowError as cause:
         raise InvalidInput(f"{name} must be a finite number, not so large a whole one") from cause
-    if not math.isfinite(number):
+    if not math.isfinite(checked):
         raise InvalidInput(f"{name} must be a finite number, not {value!r}")
-    return number
+    return checked
 
 
 def positive_number(name: str, value: object) -> float:
     """Return `value` as a float above zero, or raise InvalidInput."""
-    number = finite_number(name, value)
-    if number <= 0.0:
+    checked = finite_number(name, value)
+    if checked <= 0.0:
         raise InvalidInput(f"{name} must be positive, not {value!r}")
-    return number
+    return checked
 
 
 def non_negative_number(name: str, value: object) -> float:
     """Return `value` as a float of zero or more, or raise InvalidInput."""
-    number = finite_number(name, value)
-    if number < 0.0:
+    checked = finite_number(name, value)
+    if checked < 0.0:
         raise InvalidInput(f"{name} must not be negative, not {value!r}")
-    return number
+    return checked
 
 
 def point(name: str, value: ArrayLike) -> tuple[float, float]:

@@ -60,14 +60,14 @@ class Unit:
             given = decimal.normalize(_CONTEXT)
             if self.name == "degrees" and len(given.as_tuple().digits) <= _SHORT:
                 # The same as a setting of the command line gives.
-                found = math.radians(float(given))
+                read = math.radians(float(given))
             else:
-                found = float(_CONTEXT.multiply(given, self.in_si))
+                read = float(_CONTEXT.multiply(given, self.in_si))
         except DecimalException as error:
             raise InvalidInput("is too large or too small to be read") from error
-        if not math.isfinite(found):
+        if not math.isfinite(read):
             raise InvalidInput(f"must be a finite number, not {number}")
-        return found
+        return read
 
     def written(self, value: float) -> Decimal:
         """Return the shortest decimal, of those tried, that `read` gives back as `value`."""
@@ -77,9 +77,9 @@ class Unit:
             if self.read(short) == value:
                 return Decimal(repr(short))
         for digits in range(_SHORT, _MOST_DIGITS):
-            found = Context(prec=digits, rounding=ROUND_HALF_EVEN).plus(exact)
-            if self.read(found) == value:
-                return found
+            decimal = Context(prec=digits, rounding=ROUND_HALF_EVEN).plus(exact)
+            if self.read(decimal) == value:
+                return decimal
         raise InvalidInput(f"{value!r} is too small or too large to be written in {self.name}")
 
 
@@ -164,7 +164,9 @@ def _value(value: object) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, Mapping):
-        return f"{{ {', '.join(f'{_key(key)} = {_value(part)}' for key, part in value.items())} }}"
+        return (
+            f"{{ {', '.join(f'{_key(key)} = {_value(entry)}' for key, entry in value.items())} }}"
+        )
     raise InvalidInput(
         f"{value!r} cannot be written as TOML: give a text, number, boolean, list or table"
     )
@@ -205,11 +207,11 @@ def check_checksum(path: str | Path, text: str) -> None:
     """Raise DataFileError where a text has a checksum and is not what it was made of; one without
     is any text.
     """
-    found = _CHECKSUM.search(text)
-    if found is not None and _digest(text[: found.start()] + text[found.end() :]) != found.group(1):
+    line = _CHECKSUM.search(text)
+    if line is not None and _digest(text[: line.start()] + text[line.end() :]) != line.group(1):
         raise DataFileError(
             f"{path}: not as it was written (its checksum differs): write it anew, or take the "
-            f"line '{found.group(0).rstrip()}' out where the change is meant"
+            f"line '{line.group(0).rstrip()}' out where the change is meant"
         )
 
 

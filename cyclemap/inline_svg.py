@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array
 
 BLUE, GREY = "#2f6fb3", "#999"
-DISC, CIRCLE = "disc", "circle"
-_MARGIN, _DECIMALS = 8, 1
+DISC = "disc"
+CIRCLE = "circle"
+_MARGIN = 8
+_DECIMALS = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +71,8 @@ def map_strokes(theta: Array, turn: Array, breaks: Array) -> list[Stroke]:
     line of no turn.
     """
     cuts = [0, *np.searchsorted(theta, breaks).tolist(), len(theta)]
-    parts = [np.column_stack([theta[a:b], turn[a:b]]) for a, b in pairwise(cuts) if b > a]
+    pieces = [np.column_stack([theta[a:b], turn[a:b]]) for a, b in pairwise(cuts) if b > a]
     return [
         Stroke([[0.0, 0.0], [TWO_PI, 0.0]], GREY, width=1.0),
-        *(Stroke(part, BLUE) for part in parts),
+        *(Stroke(piece, BLUE) for piece in pieces),
     ]

@@ -43,7 +43,7 @@ def typeset(text: str) -> str:
     '−1.5 ± 1, f(x) − x, 10¹² at 3-4, run-2'
     """
     raised = _POWER.sub(
-        lambda found: f"10{found[1].translate(_RAISED)}", text.replace(" +- ", " ± ")
+        lambda power: f"10{power[1].translate(_RAISED)}", text.replace(" +- ", " ± ")
     )
     return _HYPHEN_MINUS.sub("−", raised)
 
@@ -86,11 +86,11 @@ def json_value(text: str | bytes) -> object:
 
 
 def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    table = dict(pairs)
+    if len(table) < len(pairs):
         twice = next(key for key, _ in pairs if sum(key == other for other, _ in pairs) > 1)
         raise ValueError(f"the key {twice!r} is there twice; keep one")
-    return found
+    return table
 
 
 def install_words(extra: str) -> str:

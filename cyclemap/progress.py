@@ -6,11 +6,11 @@ from collections.abc import Callable
 Progress = Callable[[float], None]
 
 
-def part_of(progress: Progress | None, number: float, count: float) -> Progress:
+def part_of(progress: Progress | None, index: float, count: float) -> Progress:
     """Return the function to which part `number` of `count` (from 0) reports the fraction of it
     that is done; to None nothing is reported.
 
     >>> part_of(print, 1, 4)(0.5)
     0.375
     """
-    return lambda fraction: None if progress is None else progress((number + fraction) / count)
+    return lambda fraction: None if progress is None else progress((index + fraction) / count)

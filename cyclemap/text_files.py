@@ -28,7 +28,12 @@ from cyclemap.plain_text import json_value, plain_number
 LARGEST_CONTENT = 2**24
 # Of TOML, where a key of many parts takes time that grows with their square; a protocol is a few
 # kilobytes.
-_LARGEST_TOML, _MOST_PARTS = 2**17, 100
+_LARGEST_TOML = 2**17
+_MOST_PARTS = 100
+
+
+# What stands in a field without a number.
+_NOTHING = ("", "nan", "na", "null", "none")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,17 +70,23 @@ class CsvTable:
         return value
 
     def numbers(self, column: str, blank: bool = False) -> Array:
-        """The numbers of a column (n,); where it may be `blank`, NaN for an empty field."""
-        return np.array(
-            [
-                math.nan if blank and not self.text(row, column) else self.number(row, column)
-                for row in self.rows
-            ]
-        )
+        """The numbers of a column (n,); where it may be `blank`, NaN for a field that says
+        nothing.
+        """
+        numbers = []
+        for row in self.rows:
+            is_blank = blank and says_nothing(self.text(row, column))
+            numbers.append(math.nan if is_blank else self.number(row, column))
+        return np.array(numbers)
 
     def error(self, line: int, message: str) -> DataFileError:
         """A DataFileError that names this file and `line`."""
         return DataFileError(f"{self.path}, line {line}: {message}")
+
+
+def says_nothing(field: str) -> bool:
+    """Return whether a field stands for a number that is not there."""
+    return field.lower() in _NOTHING
 
 
 def read_csv_table(path: str | Path) -> CsvTable:
@@ -85,24 +96,20 @@ def read_csv_table(path: str | Path) -> CsvTable:
     file is absent, not UTF-8 text, empty, without rows, or has a row with more or fewer fields than
     the header.
     """
-    path = Path(path)
-    records = _records(path, read_text(path, "plain CSV"))
+    return csv_table(Path(path), read_text(Path(path), "plain CSV"))
+
+
+def csv_table(path: Path, text: str) -> CsvTable:
+    """Return the table of a text, as `read_csv_table` does that of the file it is from."""
+    records = _records(path, text)
     if not records:
         raise DataFileError(
             f"{path}: the file is empty; it needs a header line and at least one row"
         )
-    table = CsvTable(path, tuple(name.lower() for name in records[0].fields), tuple(records[1:]))
-    check_shape(table)
+    header = tuple(name.lower() for name in records[0].fields)
+    table = CsvTable(path, header, tuple(records[1:]))
+    _check_shape(table)
     return table
-
-
-def csv_text(table: CsvTable) -> str:
-    """Return a table as the text of a CSV file."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(
-        [table.header, *(row.fields for row in table.rows)]
-    )
-    return text.getvalue()
 
 
 def require_columns(table: CsvTable, columns: Sequence[str]) -> None:
@@ -148,14 +155,14 @@ def key_place(path: str | Path, text: str, table: str, key: str) -> str:
     'a.toml, line 3'
     """
     here = ""
-    for number, line in enumerate(text.splitlines(), 1):
+    for row, line in enumerate(text.splitlines(), 1):
         heading = re.fullmatch(
             r"\s*\[+\s*[\"']?([A-Za-z_][^\[\],\"']*?)[\"']?\s*\]+\s*(#.*)?", line
         )
         here = heading[1] if heading else here
         stands = here == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line)
         if stands or (heading and here == f"{table}.{key}"):
-            return f"{path}, line {number}"
+            return f"{path}, line {row}"
     return str(path)
 
 
@@ -177,11 +184,17 @@ def read_text(path: Path, kind: str, most: int = LARGEST_CONTENT) -> str:
     """Return the text of a UTF-8 file, line ends as "\n"; DataFileError, naming file and mend,
     where it has none.
     """
+    return decoded(path, read_bytes(path, most), kind)
+
+
+def decoded(path: Path, content: bytes, kind: str) -> str:
+    """Return what `read_text` does, of content that was read."""
     try:
-        text = read_bytes(path, most).decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
         raise DataFileError(
-            f"{path}: byte {error.start} is not UTF-8 text; save it as {kind}"
+            f"{path}, line {line}: byte {error.start} is not UTF-8 text; save it as {kind}"
         ) from error
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
@@ -216,7 +229,8 @@ def _open_at_once(path: str, flags: int) -> int:
 
 def _records(path: Path, text: str) -> list[CsvRow]:
     reader = csv.reader(io.StringIO(text), strict=True)
-    rows, room = [], LARGEST_CONTENT // 8
+    rows = []
+    room = LARGEST_CONTENT // 8
     try:
         for fields in reader:
             stripped = tuple(field.strip() for field in fields)
@@ -234,7 +248,7 @@ def _records(path: Path, text: str) -> list[CsvRow]:
     return rows
 
 
-def check_shape(table: CsvTable) -> None:
+def _check_shape(table: CsvTable) -> None:
     """Raise DataFileError where a column is there twice, `table` has no rows, or one not as long as
     its header.
     """

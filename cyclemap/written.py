@@ -42,7 +42,8 @@ def direction_deg(radians: float) -> float:
     return math.degrees(radians) % 360.0 % 360.0
 
 
-NUMBER, DEGREES = Unit("", float), Unit("deg", math.degrees)
+NUMBER = Unit("", float)
+DEGREES = Unit("deg", math.degrees)
 MILLIMETRES = Unit("mm", lambda metres: 1e3 * metres)
 # Metadata of fields: angles, directions of the circle, cycles, and what is not written.
 ANGLE = {"unit": DEGREES}
@@ -83,13 +84,14 @@ def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER) -> Json
     {'value': 0.5, 'theta_deg': 180.0}
     """
     metadata = {field.name: field.metadata for field in fields(result)}
-    told: Json = {}
+    entries: Json = {}
     for name in names or metadata:
         said: Mapping[str, Any] = metadata.get(name, {})
-        base, own = said.get("name", name), said.get("unit", unit)
+        base = said.get("name", name)
+        own = said.get("unit", unit)
         if base:
-            told[own.named(base)] = written(getattr(result, name), own)
-    return told
+            entries[own.named(base)] = written(getattr(result, name), own)
+    return entries
 
 
 def rows(**columns: object) -> list[Json]:

@@ -30,7 +30,6 @@ extensions = [
     "drawings",
     "explorer_page",
     "gallery",
-    "house_docstrings",
     "mathml_math",
     "public_names",
     "settings_table",
@@ -52,6 +51,8 @@ nitpick_ignore_regex = [
     (r"py:class", r"[A-Z][A-Za-z]*"),
     # How Sphinx splits `tuple[float, ...]` in the signature of a class with defaults.
     (r"py:class", r"tuple\[float"),
+    # Errors that docstrings name without their room.
+    (r"py:exc", r"[A-Z][A-Za-z]*"),
 ]
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

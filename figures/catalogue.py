@@ -5,16 +5,18 @@ imported when asked.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cyclemap.errors import InvalidInput, unknown_name
+from cyclemap.written import UNWRITTEN
 
 if TYPE_CHECKING:
     import numpy as np
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
 
@@ -61,16 +63,41 @@ BEYOND = "not in the paper"
 
 @dataclass(frozen=True)
 class Entry:
-    """One exhibit as the gallery lists it; its module in this room has its name, with underscores.
+    """One exhibit as the gallery lists it.
 
     name : as the command line says it.
     source : the paper's figure, or `BEYOND`.
     title : a few words.
+    module : of this room, whose EXHIBITS have it.
     """
 
     name: str
     source: str
     title: str
+    module: str = field(metadata=UNWRITTEN)
+
+
+# What an exhibit computes, of a type of its own.
+Result = Any
+
+
+@dataclass(frozen=True)
+class Exhibit:
+    """How an exhibit is made: a picture, a table or an animation.
+
+    compute : measured data -> result, the only slow part.
+    caption : result -> sentences that hold for this result, with its numbers.
+    draw : result -> figure.
+    header, rows : of a table; result -> rows of words.
+    frames : result -> the `Frame`s of an animation, all of one size.
+    """
+
+    compute: Callable[..., Result]
+    caption: Callable[[Result], str]
+    draw: Callable[[Result], Figure] | None = None
+    header: tuple[str, ...] = ()
+    rows: Callable[[Result], list[tuple[str, ...]]] | None = None
+    frames: Callable[[Result], Iterator[Frame]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,46 +113,102 @@ class Frame:
 
 
 CATALOGUE = (
-    Entry("setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles"),
-    Entry("trajectories-object-frame", "Fig. 3", "Paths of the centre in the object's frame"),
-    Entry("trajectories-robot-frame", "Fig. 4", "Paths of the centre in the robot's frame"),
+    Entry(
+        "setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles", "setup_and_cycle"
+    ),
+    Entry(
+        "trajectories-object-frame",
+        "Fig. 3",
+        "Paths of the centre in the object's frame",
+        "materials.trajectories",
+    ),
+    Entry(
+        "trajectories-robot-frame",
+        "Fig. 4",
+        "Paths of the centre in the robot's frame",
+        "materials.trajectories",
+    ),
     Entry(
         "limit-ellipse-and-patch",
         "the paper's limit ellipse and patch, and Fig. 10 (right)",
         "Limit ellipse of a point, of plywood, and the forces of the patch",
+        "limit_ellipse_and_patch",
     ),
     Entry(
-        "force-ratio", "Fig. 10 (left)", "Ratio of tangential to normal force at the pushing point"
+        "force-ratio",
+        "Fig. 10 (left)",
+        "Ratio of tangential to normal force at the pushing point",
+        "force_ratio",
     ),
-    Entry("simulated-against-measured", "Fig. 13", "Simulated and measured turns over θ0, plywood"),
-    Entry("turn-over-theta0", "Fig. 5", "Turn of the push over its first orientation"),
-    Entry("theta0-histograms", "Fig. 6", "Histograms of the orientation before a push"),
-    Entry("turn-histograms", "Fig. 7", "Histograms of the turn, predicted by the law and recorded"),
-    Entry("staircases", "the paper's staircases", "Staircases of θ0 over the pushes"),
-    Entry("table-friction", "Table I", "Friction ellipses of the materials"),
-    Entry("table-deviations", "Table II", "How much equal pushes differ"),
-    Entry("table-law-errors", "Table III", "How far pushes lie from a law of θ0"),
+    Entry(
+        "simulated-against-measured",
+        "Fig. 13",
+        "Simulated and measured turns over θ0, plywood",
+        "plywood_turns",
+    ),
+    Entry(
+        "turn-over-theta0",
+        "Fig. 5",
+        "Turn of the push over its first orientation",
+        "materials.turns",
+    ),
+    Entry(
+        "theta0-histograms",
+        "Fig. 6",
+        "Histograms of the orientation before a push",
+        "materials.directions",
+    ),
+    Entry(
+        "turn-histograms",
+        "Fig. 7",
+        "Histograms of the turn, predicted by the law and recorded",
+        "materials.turns",
+    ),
+    Entry(
+        "staircases",
+        "the paper's staircases",
+        "Staircases of θ0 over the pushes",
+        "materials.directions",
+    ),
+    Entry("table-friction", "Table I", "Friction ellipses of the materials", "materials.tables"),
+    Entry("table-deviations", "Table II", "How much equal pushes differ", "materials.tables"),
+    Entry(
+        "table-law-errors", "Table III", "How far pushes lie from a law of θ0", "materials.tables"
+    ),
     Entry(
         "anisotropic-against-isotropic",
         "Figs. 11 and 12",
         "Simulated paths on anisotropic and on isotropic friction",
+        "dynamic_cycles",
     ),
     Entry(
         "dynamic-against-quasi-static",
         BEYOND,
         "What inertia changes at 20 mm/s, and how it vanishes with the speed",
+        "dynamic_cycles",
     ),
-    Entry("fingerprint", BEYOND, "Five numbers against the full map"),
-    Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in"),
-    Entry("phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in"),
+    Entry("fingerprint", BEYOND, "Five numbers against the full map", "fingerprint"),
+    Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in", "saddle_node"),
+    Entry(
+        "phase-diagram",
+        BEYOND,
+        "Ring radius against anisotropy: where the robot locks in",
+        "phase_diagram",
+    ),
     Entry(
         "floor-shape",
         BEYOND,
         "What anisotropy of friction explains, and what the floor's shape explains",
+        "plywood_turns",
     ),
-    Entry("staircase-bottleneck", BEYOND, "A staircase and the bottleneck that makes it"),
-    Entry("wear-drift", BEYOND, "The cycle map as plywood wears"),
-    Entry("locking-in", BEYOND, "The loop of push and drag locks in"),
+    Entry(
+        "staircase-bottleneck",
+        BEYOND,
+        "A staircase and the bottleneck that makes it",
+        "staircase_bottleneck",
+    ),
+    Entry("wear-drift", BEYOND, "The cycle map as plywood wears", "wear_drift"),
+    Entry("locking-in", BEYOND, "The loop of push and drag locks in", "locking_in"),
 )
 
 
@@ -146,14 +229,9 @@ def entries(names: tuple[str, ...] = ()) -> tuple[Entry, ...]:
     return tuple(entry for entry in CATALOGUE if everything or entry.name in names)
 
 
-def load_exhibit(name: str) -> ModuleType:
-    """Return the module of the exhibit of this name; InvalidInput where it is unknown.
-
-    Each has `compute`: measured data -> result, the only slow part; `caption`: result -> sentences
-    that hold for this result, with its numbers; and either `draw`: result -> figure, or `HEADER`
-    and `rows`: result -> rows of words under it, or `frames`: result -> the `Frame`s of an
-    animation, all of one size.
-    """
-    if name == "all" or not (found := entries((name,))):
+def load_exhibit(name: str) -> Exhibit:
+    """Return the exhibit of this name; InvalidInput where it is unknown."""
+    if name == "all" or not (chosen := entries((name,))):
         raise unknown_name("figure", name, {entry.name for entry in CATALOGUE})
-    return import_module(f"cyclemap.figures.{found[0].name.replace('-', '_')}")
+    exhibits: dict[str, Exhibit] = import_module(f"cyclemap.figures.{chosen[0].module}").EXHIBITS
+    return exhibits[name]

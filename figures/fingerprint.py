@@ -21,11 +21,11 @@ from cyclemap.collection.fingerprint_prediction import (
     lock_in_boundary,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views import style
 from cyclemap.views.fingerprint_page import draw_prediction
-from cyclemap.views.style import INK
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.style import INK, LINE, LINES, MARKS, name_tag, picture_style
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import ring_radius, with_anisotropy_times, with_ring_at
 
 INCHES = (13.333, 4.6)
@@ -90,14 +90,14 @@ def compute(
 
 
 def turn_errors(
-    loop: CollectionLoop, found: Fingerprint, surface: Anisotropy, scales: Array
+    loop: CollectionLoop, fingerprint_: Fingerprint, surface: Anisotropy, scales: Array
 ) -> tuple[Array, Array]:
     """Largest errors (n,), rad, of the first- and the second-order turn on a surface scaled by
     `scales` (n,).
     """
     errors = []
     for scale in scales.tolist():
-        scaled = Prediction(found, surface.scaled(scale))
+        scaled = Prediction(fingerprint_, surface.scaled(scale))
         full = with_anisotropy(loop, scaled.anisotropy).next_theta(_ORIENTATIONS) - _ORIENTATIONS
         laws = scaled.turn(_ORIENTATIONS), scaled.second_order_turn(_ORIENTATIONS)
         errors.append([np.abs(full - law).max() for law in laws])
@@ -126,10 +126,10 @@ def direction_errors(loop: CollectionLoop, surface: Anisotropy, scales: Array) -
     """
     from scipy.optimize import brentq
 
-    found = fingerprint(loop)
+    response = fingerprint(loop)
     errors = []
     for scale in scales.tolist():
-        scaled = Prediction(found, surface.scaled(scale))
+        scaled = Prediction(response, surface.scaled(scale))
         theta, full = scaled.stable_directions[0].theta, with_anisotropy(loop, scaled.anisotropy)
         root = brentq(
             lambda t, full=full: full.cycle(t).theta_next - t, theta - 1.0, theta + 1.0, xtol=1e-10
@@ -159,14 +159,14 @@ def order(scales: Array, errors: Array) -> float:
     return float(np.polyfit(np.log(scales[small]), np.log(errors[small]), 1)[0])
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: FingerprintAgainstFull) -> Figure:
     """Draw the predicted turn beside the full map's, both edges of lock-in, and the errors over the
     anisotropy.
     """
-    figure, (turn, edge, errors) = style.page("abc", size=INCHES, width_ratios=(1.45, 1.0, 1.0))
+    figure, (turn, edge, errors) = page("abc", size=INCHES, width_ratios=(1.45, 1.0, 1.0))
     draw_prediction(turn, result.prediction, result.checked.map)
-    style.entitle(turn, "Plywood")
+    entitle(turn, "Plywood")
     _draw_edge(edge, result)
     _draw_errors(errors, result)
     return figure
@@ -176,14 +176,14 @@ def _draw_edge(axes: Axes, result: FingerprintAgainstFull) -> None:
     surface, response = result.prediction.anisotropy, result.prediction.fingerprint.cycle
     rays = np.radians(np.linspace(0.0, 90.0, 361))
     edge = lock_in_boundary(response, surface.offset_direction, surface.ellipse_direction, rays)
-    axes.plot(*edge.T, label="first order", **style.LINE)
-    axes.plot(*result.full_edge.T, "s", label="full map", clip_on=False, **style.MARKS)
+    axes.plot(*edge.T, label="first order", **LINE)
+    axes.plot(*result.full_edge.T, "s", label="full map", clip_on=False, **MARKS)
     axes.plot(surface.offset, surface.ellipticity, "*", color=INK, markersize=10.0, zorder=5)
-    style.name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood")
+    name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood")
     axes.set(xlim=(0.0, 0.16), ylim=(0.0, 0.12), xlabel="offset (1)", ylabel="ellipticity (1)")
-    style.name_tag(axes, 0.023, 0.012, "drifts")
-    style.name_tag(axes, 0.125, 0.09, "locks")
-    style.entitle(axes, "Edge of lock-in")
+    name_tag(axes, 0.023, 0.012, "drifts")
+    name_tag(axes, 0.125, 0.09, "locks")
+    entitle(axes, "Edge of lock-in")
 
 
 def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
@@ -192,7 +192,7 @@ def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
         ("turn, second order", result.second_turn_error, "^"),
         ("stable direction", result.direction_error, "s"),
     )
-    for (name, errors, marker), look in zip(curves, style.LINES, strict=False):
+    for (name, errors, marker), look in zip(curves, LINES, strict=False):
         # The kinks' share of what the second order leaves vanishes before the rest: it has no
         # single order.
         known = "" if "second" in name else f": order {order(result.scales, errors):.1f}"
@@ -209,16 +209,16 @@ def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
 
 def caption(result: FingerprintAgainstFull) -> str:
     """Sentences that hold for this result."""
-    found, (stable, *_) = (
+    response, (stable, *_) = (
         result.prediction.fingerprint.cycle,
         [checked for checked in result.checked.directions if checked.predicted.stable],
     )
     numbers = (
-        found.turn,
-        found.offset_amplitude,
-        found.offset_phase,
-        found.ellipse_amplitude,
-        found.ellipse_phase,
+        response.turn,
+        response.offset_amplitude,
+        response.offset_phase,
+        response.ellipse_amplitude,
+        response.ellipse_phase,
     )
     five = "Ω {:.2f}°, A₁ {:.1f}°, δ₁ {:.1f}°, A₂ {:.1f}°, δ₂ {:.1f}°".format(
         *map(math.degrees, numbers)
@@ -242,3 +242,8 @@ def caption(result: FingerprintAgainstFull) -> str:
         f"power {direction:.2f}, the latter with the ring {1e3 * result.ring:.1f} mm from the "
         "centre, where an isotropic cycle turns nothing."
     )
+
+
+EXHIBITS = {
+    "fingerprint": Exhibit(compute, caption, draw),
+}

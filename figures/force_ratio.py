@@ -23,11 +23,12 @@ from cyclemap.evidence.data_blocks.force_blocks import (
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import EVEN, LINE, MARKS, QUIET, Look, picture_style
 
-from .catalogue import NO_DATA, MeasuredFolder
-from .measured_sets import push_file_names, readable_pushes
+from .catalogue import NO_DATA, Exhibit, MeasuredFolder
+from .materials.paper_pushes import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
 FOLDER = "mit_files"
@@ -148,7 +149,7 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     )
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: ForceRatio) -> Figure:
     """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on
     one scale.
@@ -156,12 +157,12 @@ def draw(result: ForceRatio) -> Figure:
     predicted, recorded = result.predicted, result.recorded
     ratios = [predicted.ratio] if recorded is None else [predicted.ratio, recorded.ratio]
     half = 1.2 * max(float(np.abs(ratio).max()) for ratio in ratios)
-    figure, (left, *right) = style.page("ab"[: len(ratios)], size=(5.5 * len(ratios), 4.3))
+    figure, (left, *right) = page("ab"[: len(ratios)], size=(5.5 * len(ratios), 4.3))
     _bounds(left, predicted.friction)
     travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
-    left.plot(travel, predicted.ratio, label="sliding", **{**style.LINE, "linewidth": 1.2})
-    left.plot(travel, sticking, label="sticking", **{**style.LINE, "linewidth": 3.0})
-    style.entitle(left, "Predicted, plywood")
+    left.plot(travel, predicted.ratio, label="sliding", **{**LINE, "linewidth": 1.2})
+    left.plot(travel, sticking, label="sticking", **{**LINE, "linewidth": 3.0})
+    entitle(left, "Predicted, plywood")
     if recorded is not None:
         _draw_recorded(right[0], recorded)
     for axes in (left, *right):
@@ -172,21 +173,21 @@ def draw(result: ForceRatio) -> Figure:
 
 def _bounds(axes: Axes, friction: float) -> None:
     for bound in (-friction, friction):
-        axes.axhline(bound, label=f"±μp = ±{friction:.2f}", **style.EVEN)
+        axes.axhline(bound, label=f"±μp = ±{friction:.2f}", **EVEN)
 
 
 def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
     _bounds(axes, recorded.friction)
     unclear = ~(recorded.sliding | recorded.sticking)
-    kinds: tuple[tuple[str, Chosen, style.Look], ...] = (
+    kinds: tuple[tuple[str, Chosen, Look], ...] = (
         ("sliding", recorded.sliding, {"marker": "o", "markerfacecolor": "white"}),
         ("sticking", recorded.sticking, {"marker": "o"}),
-        ("neither", unclear, {"marker": ".", "color": style.QUIET, "markeredgewidth": 0.0}),
+        ("neither", unclear, {"marker": ".", "color": QUIET, "markeredgewidth": 0.0}),
     )
     travel = MM * recorded.travel
     for name, chosen, look in kinds:
-        axes.plot(travel[chosen], recorded.ratio[chosen], label=name, **{**style.MARKS, **look})
-    style.entitle(axes, f"Recorded, {recorded.name}")
+        axes.plot(travel[chosen], recorded.ratio[chosen], label=name, **{**MARKS, **look})
+    entitle(axes, f"Recorded, {recorded.name}")
 
 
 def caption(result: ForceRatio) -> str:
@@ -212,3 +213,8 @@ def caption(result: ForceRatio) -> str:
         f"{len(recorded.forces.ratio)} pieces; the paper's push has 0.15); while it sticks "
         f"{100 * over:.0f} % of the samples lie below that."
     )
+
+
+EXHIBITS = {
+    "force-ratio": Exhibit(compute, caption, draw),
+}

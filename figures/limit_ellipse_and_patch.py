@@ -12,16 +12,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
-from cyclemap.views import style
 from cyclemap.views.identify_page import draw_ellipses
-from cyclemap.views.object_page import MM, draw_object
-from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.scene import MM, draw_object
+from cyclemap.views.panels.style import (
+    FORCE,
+    INK,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    arrow,
+    cross,
+    picture_style,
+    show_window,
+)
 
-from .catalogue import NO_DATA, MeasuredFolder
-from .measured_sets import measured_scans
+from .catalogue import NO_DATA, Exhibit, MeasuredFolder
+from .materials.paper_pushes import measured_scans
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.
@@ -60,16 +71,16 @@ def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
     the 8 x 8 grid.
     """
     loop = CollectionLoop.mit("plywood")
-    found, weight, scans, fitted = (
+    table, weight, scans, fitted = (
         measured_scans(measured, "plywood"),
         loop.model.weight,
         None,
         None,
     )
-    if found is not None and len(found) >= _FEWEST_SCANS:
+    if table is not None and len(table) >= _FEWEST_SCANS:
         scans, fitted = (
-            scan_traction(found, weight),
-            friction_ellipse_from_scans(found, weight).friction(),
+            scan_traction(table, weight),
+            friction_ellipse_from_scans(table, weight).friction(),
         )
     return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
 
@@ -82,10 +93,10 @@ def limit_curve(law: EllipseFriction) -> Array:
     return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: LimitEllipseAndPatch) -> Figure:
     """Draw the law of a point, the law of the surface, and the patch, side by side."""
-    figure, (law, surface, patch) = style.page("abc", size=(13.0, 4.9))
+    figure, (law, surface, patch) = page("abc", size=(13.0, 4.9))
     _draw_law(law)
     _draw_surface(surface, result)
     _draw_patch(patch, result.patch)
@@ -106,10 +117,10 @@ def _draw_law(axes: Axes) -> None:
     tangent = np.stack([traction - 0.25 * along, traction + 0.1 * along])
     axes.plot(*tangent.T, color=QUIET, linewidth=1.2, linestyle=":")
     axes.plot(*centre, "o", color=PREDICTED, markersize=4)
-    style.cross(axes, colour=INK, markeredgewidth=1.5)
+    cross(axes, colour=INK, markeredgewidth=1.5)
     head = traction + 0.13 * velocity
-    style.arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
-    style.arrow(axes, traction, head, INK, 2.2, 6, mutation_scale=14.0)
+    arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
+    arrow(axes, traction, head, INK, 2.2, 6, mutation_scale=14.0)
     words = (
         (0.75 * traction, (0.025, -0.003), "traction μ", FORCE, "center"),
         (head, (0.03, 0.0), "sliding velocity v", INK, "center"),
@@ -127,7 +138,7 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     if result.fitted is not None:
         curves["fitted"] = result.fitted
     curves["isotropic"] = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
-    ellipses = {name: limit_curve(one) for name, one in curves.items()}
+    ellipses = {name: limit_curve(ellipse) for name, ellipse in curves.items()}
     draw_ellipses(axes, ellipses, result.scans)
     axes.plot(*_centre(law), "o", color=PREDICTED, markersize=4)
     _traction_axes(axes, "Plywood", np.zeros(2))
@@ -138,7 +149,7 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     draw_object(axes, patch.outline, facecolor="#f6f6f6", edgecolor=QUIET, zorder=1)
     tips = points + _POINT_ARROW * patch.force / np.hypot(*patch.force.T).max()
     for point, tip in zip(points, tips, strict=True):
-        style.arrow(axes, point, tip, PREDICTED, 1.0, 6, mutation_scale=7.0)
+        arrow(axes, point, tip, PREDICTED, 1.0, 6, mutation_scale=7.0)
     axes.plot(*points.T, ".", color=PREDICTED, markersize=3)
     pivot = MM * np.array([-patch.twist[1], patch.twist[0]]) / patch.twist[2]
     axes.plot(*pivot, "*", color=INK, markersize=10)
@@ -146,15 +157,15 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     force, torque = float(np.hypot(*patch.wrench[:2])), 1e3 * patch.wrench[2]
     whole, contact = _WHOLE_ARROW / force, MM * patch.contact
     tail = contact - whole * patch.rod[:2]
-    style.arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 6, mutation_scale=18.0)
+    arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 6, mutation_scale=18.0)
     axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
-    style.arrow(axes, tail, contact, INK, 3.0, 6, mutation_scale=18.0)
+    arrow(axes, tail, contact, INK, 3.0, 6, mutation_scale=18.0)
     words = f"friction on the object: {force:.2f} N\nand {torque:.1f} N mm about its centre"
     axes.text(2.0, tail[1] + 8.0, words, color=FORCE, fontsize=8, va="top")
     axes.text(tail[0] - 3.0, tail[1] - 2.0, "rod", color=INK, ha="right", va="top")
     axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal")
     axes.set(xlabel="x (mm), object's frame", ylabel="y (mm)")
-    style.entitle(axes, "Patch of 8 x 8 points")
+    entitle(axes, "Patch of 8 x 8 points")
 
 
 def _centre(law: EllipseFriction) -> Array:
@@ -162,16 +173,15 @@ def _centre(law: EllipseFriction) -> Array:
 
 
 def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
-    style.show_window(axes, middle - _REACH, middle + _REACH)
+    show_window(axes, middle - _REACH, middle + _REACH)
     axes.set(
         aspect="equal", xlabel="traction coefficient along x", ylabel="traction coefficient along y"
     )
-    style.entitle(axes, title)
+    entitle(axes, title)
 
 
 def _turned(vector: Array, angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
+    return placed(np.array([0.0, 0.0, angle]), vector)
 
 
 def caption(result: LimitEllipseAndPatch) -> str:
@@ -262,3 +272,8 @@ def patch_forces(loop: CollectionLoop) -> PatchForces:
 
 def _torque(lever: Array, force: Array) -> Array:
     return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
+
+
+EXHIBITS = {
+    "limit-ellipse-and-patch": Exhibit(compute, caption, draw),
+}

@@ -22,12 +22,22 @@ from cyclemap.collection.portrait_curves import Cobweb
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import Orbit, fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
-from cyclemap.views import style
-from cyclemap.views.map_panels import draw_cobweb
-from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod, draw_way
+from cyclemap.views.panels.layout import page
+from cyclemap.views.panels.orientation import draw_cobweb
+from cyclemap.views.panels.scene import MM, draw_object, draw_ring, draw_rod, draw_way
+from cyclemap.views.panels.style import (
+    INK,
+    MARKS,
+    PREDICTED,
+    SECOND,
+    count_axis,
+    cross,
+    picture_style,
+    show_window,
+)
 from cyclemap.views.sentences import angle
 
-from .catalogue import Frame, MeasuredFolder
+from .catalogue import Exhibit, Frame, MeasuredFolder
 
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.
@@ -151,28 +161,28 @@ def moments(
     """Return the pictures of all cycles: of each stroke so many, at equal distances along it, the
     last at its end.
     """
-    loop, found = run[0].loop, []
+    loop, shown = run[0].loop, []
     assert isinstance(loop.slider.outline, PolygonOutline)
     outline, hitch = (
         np.asarray(loop.slider.outline.vertices),
         np.asarray(loop.slider.hitch, dtype=float),
     )
     side = outline[[loop.push.side, (loop.push.side + 1) % len(outline)]]
-    for number, cycle in enumerate(run):
-        counts = next(((p, d) for until, p, d in pace if number < until), FAST)
+    for index, cycle in enumerate(run):
+        counts = next(((p, d) for until, p, d in pace if index < until), FAST)
         strokes = (cycle.trajectory.push, cycle.trajectory.drag)
-        for motion, count in zip(strokes, slow if number == len(run) - 1 else counts, strict=True):
+        for motion, count in zip(strokes, slow if index == len(run) - 1 else counts, strict=True):
             way = motion.path / motion.path[-1]
             for share in np.linspace(0.0, 1.0, count + 1)[1:].tolist():
                 pose = np.array([np.interp(share, way, column) for column in motion.pose.T])
                 rod = np.array([np.interp(share, way, column) for column in motion.pusher.T])
                 path = np.concatenate([motion.pusher[way < share], [rod]])
                 body, pushed, ring = (placed(pose, points) for points in (outline, side, hitch))
-                found.append(
-                    Moment(number, body, pushed, ring, rod, motion is strokes[0], path, SECONDS)
+                shown.append(
+                    Moment(index, body, pushed, ring, rod, motion is strokes[0], path, SECONDS)
                 )
-    found[-1] = replace(found[-1], seconds=LAST_SECONDS)
-    return found
+    shown[-1] = replace(shown[-1], seconds=LAST_SECONDS)
+    return shown
 
 
 def caption(result: LockingIn) -> str:
@@ -199,11 +209,12 @@ def frames(result: LockingIn) -> Iterator[Frame]:
         yield Frame(pixels[..., :3].copy(), moment.seconds)
 
 
-@style.picture_style()
+@picture_style()
 def _drawn(result: LockingIn, moment: Moment) -> Figure:
     """The table from above, the cobweb up to here, and θ0 over the cycles."""
-    ratios: style.Look = {"width_ratios": (1.3, 1.0), "height_ratios": (1.4, 1.0)}
-    figure, (stairs, course) = style.page(".a;.b", size=INCHES, keys=0, **ratios)
+    figure, (stairs, course) = page(
+        ".a;.b", size=INCHES, keys=0, width_ratios=(1.3, 1.0), height_ratios=(1.4, 1.0)
+    )
     table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
     theta = result.theta[: moment.cycle + 1]
     _draw_table(table, result, moment)
@@ -216,9 +227,9 @@ def _drawn(result: LockingIn, moment: Moment) -> Figure:
     draw_cobweb(stairs, cobweb, result.directions)
     stairs.set_aspect("auto")
     stairs.set_title("The cycle map")
-    course.axhline(math.degrees(result.stable), **style.SECOND)
-    course.plot(np.degrees(theta), "o", **{**style.MARKS, "markersize": 3.5})
-    style.count_axis(course, "cycle", result.cycles)
+    course.axhline(math.degrees(result.stable), **SECOND)
+    course.plot(np.degrees(theta), "o", **{**MARKS, "markersize": 3.5})
+    count_axis(course, "cycle", result.cycles)
     low, high = np.degrees([result.theta.min(), result.theta.max()])
     course.set(ylim=(low - 12.0, high + 15.0), ylabel="θ0 (°)")
     for axis in (stairs.xaxis, stairs.yaxis, course.yaxis):
@@ -231,19 +242,18 @@ def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
     """The table from above; the world's origin is where the ring is set down."""
     everything = MM * np.concatenate([moment.outline for moment in result.moments])
     low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
-    style.show_window(axes, low, high)
+    show_window(axes, low, high)
     axes.set(aspect="equal", anchor="W", xticks=[], yticks=[], facecolor=TABLE_COLOUR)
     axes.spines[:].set_visible(False)
-    style.cross(axes, zorder=1)
+    cross(axes, zorder=1)
     draw_object(axes, moment.outline)
-    side: style.Look = {"color": style.PREDICTED, "linewidth": 4.5, "solid_capstyle": "butt"}
-    draw_way(axes, moment.side, zorder=3, **side)
-    draw_ring(axes, moment.ring, edgecolor=style.PREDICTED, linewidth=1.6)
+    draw_way(axes, moment.side, zorder=3, color=PREDICTED, linewidth=4.5, solid_capstyle="butt")
+    draw_ring(axes, moment.ring, edgecolor=PREDICTED, linewidth=1.6)
     dash = "-" if moment.pushing else ":"
-    draw_way(axes, moment.rod_path, dash, color=style.INK, linewidth=1.2, zorder=4)
+    draw_way(axes, moment.rod_path, dash, color=INK, linewidth=1.2, zorder=4)
     draw_rod(axes, moment.rod, result.rod_radius)
     x, y = (low + 14.0).tolist()
-    axes.plot([x, x + 50.0], [y, y], color=style.INK, linewidth=2.0)
+    axes.plot([x, x + 50.0], [y, y], color=INK, linewidth=2.0)
     axes.text(x + 25.0, y + 4.0, "50 mm", ha="center", fontsize=7.5)
 
 
@@ -284,3 +294,8 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
         disposal=1,
     )
     return buffer.getvalue()
+
+
+EXHIBITS = {
+    "locking-in": Exhibit(compute, caption, frames=frames),
+}

@@ -4,14 +4,12 @@ along one fact.
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import reduce
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebpts2, chebvander
+from numpy.polynomial.chebyshev import chebpts2, chebval, chebvander
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
 
@@ -21,13 +19,12 @@ from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, ParametricLift
+from cyclemap.sweeps.direction_margins import smooth_change
 
 Range = tuple[float, float]
 LoopAt = Callable[..., CollectionLoop]
-# Newton's method on a fold: radians of the turn and of its slope that count as none, and steps at
-# most.
-_FOLDED, _STEPS = 1e-9, 12
-_ANGLE_STEP, _LENGTH_STEP = 1e-4, 1e-6
+# Metres, of differences by the radius.
+_LENGTH_STEP = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,45 +46,27 @@ class LoopFamily:
     coefficients: NDArray[np.complex128]
 
     def series(self, *parameters: ArrayLike) -> NDArray[np.complex128]:
-        """Return the coefficients (..., K) of the turn at parameters of shape (...) each."""
-        polynomials = []
-        for value, (low, high), count in zip(
-            parameters, self.ranges, self.coefficients.shape, strict=False
-        ):
+        """Return the coefficients (K, ...) of the turn at parameters of shape (...) each."""
+        series = self.coefficients
+        for index, (value, (low, high)) in enumerate(zip(parameters, self.ranges, strict=True)):
             place = (2.0 * np.asarray(value, dtype=float) - low - high) / (high - low)
-            polynomials.append(chebvander(place, count - 1).reshape(*place.shape, count))
-        if len(polynomials) == 1:
-            return np.asarray(polynomials[0] @ self.coefficients)
-        return np.asarray(np.einsum("...i,...j,ijk->...k", *polynomials, self.coefficients))
+            series = np.asarray(chebval(place, series, tensor=index == 0), dtype=complex)
+        return series
 
     def turn(self, theta: ArrayLike, *parameters: ArrayLike) -> Array:
         """Return f(θ) - θ (rad); θ and parameters broadcast."""
-        return np.asarray(_wave(theta, self.series(*parameters)).real)
+        return _wave(theta, self.series(*parameters))
 
     def slope(self, theta: ArrayLike, *parameters: ArrayLike) -> Array:
         """Return f'(θ); θ and parameters broadcast."""
-        series = self.series(*parameters)
-        return np.asarray(1.0 + _wave(theta, 1j * np.arange(series.shape[-1]) * series).real)
+        return 1.0 + _wave(theta, _derivative(self.series(*parameters)))
 
     def __call__(self, *parameters: float) -> CircleMap:
         """Return the cycle map at one number a parameter."""
         series = self.series(*parameters)
-        slopes = 1j * np.arange(series.size) * series
-        descending = series[::-1].tolist()
-
-        def scalar(theta: float) -> float:
-            turner = cmath.exp(1j * theta)
-            return (
-                theta
-                + reduce(
-                    lambda total, coefficient: total * turner + coefficient, descending, 0j
-                ).real
-            )
-
-        return CircleMap.with_scalar(
-            lambda theta: theta + _wave(theta, series).real,
-            lambda theta: 1.0 + _wave(theta, slopes).real,
-            scalar,
+        slopes = _derivative(series)
+        return CircleMap(
+            lambda theta: theta + _wave(theta, series), lambda theta: 1.0 + _wave(theta, slopes)
         )
 
     @property
@@ -144,12 +123,15 @@ def chebyshev_nodes(low: float, high: float, count: int) -> Array:
     return np.asarray(low + (high - low) * (0.5 + 0.5 * chebpts2(count)))
 
 
-def _wave(theta: ArrayLike, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Σ c_k e^{ikθ} with coefficients (..., K), which broadcast over θ."""
-    found = polyval(
-        np.exp(1j * np.asarray(theta, dtype=float)), np.moveaxis(series, -1, 0), tensor=False
-    )
-    return np.asarray(found, dtype=np.complex128)
+def _wave(theta: ArrayLike, series: NDArray[np.complex128]) -> Array:
+    """The real part of Σ c_k e^{ikθ} with coefficients (K, ...), which broadcast over θ."""
+    wave = polyval(np.exp(1j * np.asarray(theta, dtype=float)), series, tensor=False)
+    return np.asarray(wave.real, dtype=float)
+
+
+def _derivative(series: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The coefficients (K, ...) of a wave's derivative."""
+    return (1j * np.arange(len(series)) * series.T).T
 
 
 def ring_radius(loop: CollectionLoop) -> float:
@@ -217,37 +199,17 @@ def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
     """Solve f(θ) = θ, f'(θ) = 1 for angle and radius by Newton's method from `theta` (rad) and
     `radius` (m).
 
-    loop_at : radius -> loop. f, f' and ∂f/∂radius are the exact tangents of the mechanics
-        (`sensitivity`), second derivatives differences of them.
+    loop_at : radius -> loop.
 
-    Raises ConvergenceError where 12 steps do not reach 1e-9 rad.
+    Raises ConvergenceError where no fold is found between half and twice the radius.
     """
-    for _ in range(_STEPS):
-        turn, slope, by_radius = _tangent(loop_at(radius), theta)
-        ahead, behind = (
-            _tangent(loop_at(radius), theta + side * _ANGLE_STEP)[1] for side in (1, -1)
-        )
-        out, back = (_tangent(loop_at(radius + side * _LENGTH_STEP), theta)[1] for side in (1, -1))
-        bend, twist = (ahead - behind) / (2.0 * _ANGLE_STEP), (out - back) / (2.0 * _LENGTH_STEP)
-        residual, jacobian = (
-            np.array([turn, slope - 1.0]),
-            np.array([[slope - 1.0, by_radius], [bend, twist]]),
-        )
-        if np.abs(residual).max() <= _FOLDED:
-            return RingFold(theta, radius, float(jacobian[0, 1]), 0.5 * float(jacobian[1, 0]))
-        step = np.linalg.solve(jacobian, -residual)
-        # A start far off must not throw the ring through the centre.
-        step *= min(1.0, 0.2 / max(abs(step[0]), 1e-12), 0.1 * radius / max(abs(step[1]), 1e-12))
-        theta, radius = theta + float(step[0]), radius + float(step[1])
-    raise ConvergenceError(
-        f"no saddle-node found near {math.degrees(theta):.4g} deg and {1000 * radius:.4g} mm: "
-        f"residual {np.abs(residual).max():.2g} rad; start nearer"
+    change = smooth_change(
+        loop_at, (theta, radius), 1.0, _LENGTH_STEP, (0.5 * radius, 2.0 * radius)
     )
-
-
-def _tangent(loop: CollectionLoop, theta: float) -> tuple[float, float, float]:
-    """The turn of a cycle, f' and ∂f/∂radius."""
-    found = loop.sensitivity(theta, ("theta", "hitch_x", "hitch_y"))
-    x, y = loop.slider.hitch
-    by_radius = (x * found.by("hitch_x") + y * found.by("hitch_y")) / ring_radius(loop)
-    return found.theta_next - found.theta, found.by("theta"), by_radius
+    if change is None:
+        raise ConvergenceError(
+            f"no saddle-node found near {math.degrees(theta):.4g} deg and {1000 * radius:.4g} mm: "
+            "start nearer"
+        )
+    (_, by_radius), (bend, _) = change.slopes.tolist()
+    return RingFold(change.theta, float(change.value), by_radius, 0.5 * bend)

@@ -18,12 +18,24 @@ from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprin
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
-from cyclemap.views import style
-from cyclemap.views.object_page import MM, draw_object, draw_way
-from cyclemap.views.rotation_panels import draw_shades
-from cyclemap.views.style import INK, PREDICTED, QUIET
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.rotation import draw_shades
+from cyclemap.views.panels.scene import MM, draw_object, draw_way
+from cyclemap.views.panels.style import (
+    INK,
+    LINE,
+    LINES,
+    OPEN,
+    PREDICTED,
+    QUIET,
+    SECOND,
+    ZERO,
+    Look,
+    cross,
+    picture_style,
+)
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import (
     LoopFamily,
     RingFold,
@@ -146,13 +158,13 @@ def _boundary(
     leave the radii.
     """
     edge = RADII[0] if side > 0 else RADII[1]
-    top, found = _touch(family, side, edge), []
+    top, folds = _touch(family, side, edge), []
     for step in range(1, count + 1):
         scale, radius = top * step / count, edge
         if step < count or top == SCALES[1]:
             radius = brentq(lambda r, now=scale: _margin(family, side, r, now), *RADII, xtol=1e-6)
         theta = _THETA[np.argmin(side * family.turn(_THETA, radius, scale))]
-        found.append(
+        folds.append(
             (
                 scale,
                 ring_fold(
@@ -160,7 +172,7 @@ def _boundary(
                 ),
             )
         )
-    return tuple(found)
+    return tuple(folds)
 
 
 def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
@@ -171,62 +183,65 @@ def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
     they are interpolated.
     """
     radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, 201)
-    found = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
-    curve = BarycentricInterpolator(radii, np.array([[one.turn, *one.gradient] for one in found]))
+    responses_at = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
+    curve = BarycentricInterpolator(
+        radii, np.array([[cycle.turn, *cycle.gradient] for cycle in responses_at])
+    )
     surface, flat = Anisotropy.of(loop.material.friction), np.zeros((4, 4))
     responses = [TurnResponse(float(row[0]), row[1:], flat) for row in curve(radius)]
     scale = np.array([first_order_lock_in(response, surface).scale for response in responses])
     neutral = float(brentq(lambda r: float(curve(r)[0]), *RADII))
-    return FirstOrder(radius, np.array([one.turn for one in responses]), scale, neutral)
+    return FirstOrder(radius, np.array([cycle.turn for cycle in responses]), scale, neutral)
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: PhaseDiagram) -> Figure:
     """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its
     rows.
     """
-    figure, (plane, rows) = style.page("ab", size=(11.4, 5.2), width_ratios=(1.75, 1.0))
+    figure, (plane, rows) = page("ab", size=(11.4, 5.2), width_ratios=(1.75, 1.0))
     _draw_plane(plane, result)
     planes = result.plane
-    rows.axhline(0.0, **style.ZERO)
-    for scale, look in zip(ROWS[::-1], style.LINES, strict=True):
+    rows.axhline(0.0, **ZERO)
+    for scale, look in zip(ROWS[::-1], LINES, strict=True):
         column = int(np.argmin(np.abs(planes.second_values - scale)))
         label = "isotropic" if scale == 0.0 else f"× {planes.second_values[column]:.2g}"
         rows.plot(MM * planes.first_values, 360 * planes.value[:, column], label=label, **look)
     rows.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
     rows.set_xlim(MM * RADII[0], MM * RADII[1])
-    style.entitle(rows, "Along rows")
+    entitle(rows, "Along rows")
     return figure
 
 
 def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     plane, first = result.plane, result.first
     radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value
-    look = {"cmap": "YlGnBu", "vmin": -4, "vmax": 45, "shading": "gouraud"}
     label = "size of the mean turn of a cycle (°)"
-    bar = draw_shades(axes, radius, scale, np.abs(turn), label, **look)
+    bar = draw_shades(
+        axes, radius, scale, np.abs(turn), label, cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud"
+    )
     bar.ax.set_ylim(0.0, np.abs(turn).max())
     lines = axes.contour(radius, scale, turn.T, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)
     _draw_tongue(axes, result)
-    axes.plot(MM * first.radius, first.scale, label="first order", **style.SECOND)
-    star: style.Look = {"marker": "*", "markersize": 11, "zorder": 6, **style.OPEN}
+    axes.plot(MM * first.radius, first.scale, label="first order", **SECOND)
+    star: Look = {"marker": "*", "markersize": 11, "zorder": 6, **OPEN}
     axes.plot(MM * result.mit, 1.0, label="MIT ring, plywood", **star)
     axes.text(20.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
     axes.set_xlabel("distance of the ring from the centre (mm)")
     axes.set_ylabel("anisotropy over that of Table I (1)")
     axes.set(xlim=(MM * RADII[0], MM * RADII[1]), ylim=SCALES)
     _draw_object(axes.inset_axes((0.72, 0.62, 0.27, 0.36)), result, star)
-    style.entitle(axes, "Mean turn of a cycle")
+    entitle(axes, "Mean turn of a cycle")
 
 
-def _draw_object(axes: Axes, result: PhaseDiagram, star: style.Look) -> None:
+def _draw_object(axes: Axes, result: PhaseDiagram, star: Look) -> None:
     """The object, and the way of its ring."""
     outline = CollectionLoop.mit("plywood").slider.outline.points(4)
     draw_object(axes, outline, facecolor="#f4f4f4", edgecolor=QUIET)
     way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
     draw_way(axes, np.outer(RADII, way), color=PREDICTED, linewidth=1.0, zorder=3)
-    style.cross(axes, colour=INK)
+    cross(axes, colour=INK)
     axes.plot(*(MM * result.mit * way), **star)
     axes.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
     axes.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
@@ -244,7 +259,7 @@ def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
     tongue = np.concatenate([outer, corners, inner[::-1]])
     axes.fill(*tongue.T, facecolor="white", linewidth=0, zorder=2)
     for edge in (inner, outer):
-        axes.plot(*edge.T, marker="o", markersize=4, label="saddle-nodes", **style.LINE)
+        axes.plot(*edge.T, marker="o", markersize=4, label="saddle-nodes", **LINE)
 
 
 def caption(result: PhaseDiagram) -> str:
@@ -268,3 +283,8 @@ def caption(result: PhaseDiagram) -> str:
         f"order in the anisotropy (dashes) from {at_mit:.2f} times. {others} The interpolated maps "
         f"miss cycles that were run by at most {math.degrees(result.error):.1g}°."
     )
+
+
+EXHIBITS = {
+    "phase-diagram": Exhibit(compute, caption, draw),
+}

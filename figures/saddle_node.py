@@ -14,13 +14,25 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
-from cyclemap.views import style
-from cyclemap.views.map_panels import draw_turns
-from cyclemap.views.object_page import MM
-from cyclemap.views.orbit_panels import LOST, STABLE
+from cyclemap.views.panels.layout import entitle, new_figure, panels_in
+from cyclemap.views.panels.orbits import LOST, STABLE
+from cyclemap.views.panels.orientation import draw_turns
+from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import (
+    LINE,
+    MARKS,
+    OPEN,
+    QUIET,
+    SECOND,
+    ZERO,
+    degree_axis,
+    name_beside,
+    picture_style,
+    plain_ticks,
+)
 from cyclemap.views.sentences import angle
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
 
 RADII = (0.008, 0.0155)
@@ -60,12 +72,12 @@ class SaddleNode:
 
     def directions(self, radius: float) -> tuple[float, float]:
         """Return the stable and the unstable direction (rad) at a radius (m) that has both."""
-        found = []
+        thetas = []
         for chosen in (self.branch.stable, ~self.branch.stable):
             order = np.argsort(self.branch.parameter[chosen])
             places = self.branch.parameter[chosen][order], self.branch.points[chosen, 0][order]
-            found.append(float(np.interp(radius, *places)))
-        return found[0], found[1]
+            thetas.append(float(np.interp(radius, *places)))
+        return thetas[0], thetas[1]
 
 
 def compute(
@@ -88,9 +100,9 @@ def compute(
         partial(with_ring_at, replace(loop, accuracy=_ACCURACY)), (RADII,), (nodes,), angles
     )
     folding = (
-        one
-        for one in orbit_branches(family, RADII, resolution=6)
-        if [s.kind for s in one.special] == [_FOLD]
+        candidate
+        for candidate in orbit_branches(family, RADII, resolution=6)
+        if [s.kind for s in candidate.special] == [_FOLD]
     )
     if (branch := next(folding, None)) is None:
         raise ConvergenceError(
@@ -130,35 +142,35 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
         theta, cycles = following, cycles + 1
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: SaddleNode) -> Figure:
     """The pair over the radius, its multiplier, the passage beyond,
     and three graphs of the turn."""
-    figure = style.new_figure(10.0, 8.2)
-    pair, multiplier, passage = style.panels(figure, "ab;ac", (0.33, 1.0), width_ratios=(1.35, 1.0))
+    figure = new_figure(10.0, 8.2)
+    pair, multiplier, passage = panels_in(figure, "ab;ac", (0.33, 1.0), width_ratios=(1.35, 1.0))
     branch, fold = result.branch, result.fold
     _draw_sides(pair, branch, np.degrees(branch.points[:, 0]))
     pair.axvspan(MM * RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
     middle = 0.5 * MM * (RADII[0] + fold.radius)
-    pair.text(middle, 60, "no fixed\ndirection", ha="center", color=style.QUIET)
+    pair.text(middle, 60, "no fixed\ndirection", ha="center", color=QUIET)
     place = MM * fold.radius, math.degrees(fold.theta)
-    pair.plot(*place, "o", markersize=7, zorder=5, **style.OPEN)
+    pair.plot(*place, "o", markersize=7, zorder=5, **OPEN)
     name = f"saddle-node {place[0]:.3f} mm, {place[1]:.1f}°"
-    style.name_beside(pair, *place, name, (10, -4))
+    name_beside(pair, *place, name, (10, -4))
     pair.set_ylabel("direction θ0 (°)")
     pair.set_yticks(range(45, 226, 45))
-    style.entitle(pair, "Directions that repeat")
+    entitle(pair, "Directions that repeat")
     _draw_sides(multiplier, branch, branch.multiplier)
-    multiplier.axhline(1.0, **style.ZERO)
-    multiplier.plot(MM * fold.radius, 1.0, "o", markersize=7, zorder=5, **style.OPEN)
+    multiplier.axhline(1.0, **ZERO)
+    multiplier.plot(MM * fold.radius, 1.0, "o", markersize=7, zorder=5, **OPEN)
     multiplier.set_ylabel("multiplier f'(θ0) (1)")
-    style.entitle(multiplier, "Multipliers meet at 1")
+    entitle(multiplier, "Multipliers meet at 1")
     _draw_passage(passage, result)
     graphs = zip(result.graphs, ("two zeros", "a touch", "none"), strict=True)
-    lower = style.panels(figure, "abc", (0.0, 0.36), sharey=True)
+    lower = panels_in(figure, "abc", (0.0, 0.36), sharey=True)
     for axes, ((radius, theta, turn), zeros) in zip(lower, graphs, strict=True):
         draw_turns(axes, theta, {"turn": turn})
-        style.degree_axis(axes, "θ0 (°)", 90)
+        degree_axis(axes, "θ0 (°)", 90)
         axes.set_ylabel("turn of a cycle (°)")
         axes.label_outer()
         axes.set_title(f"ring {MM * radius:.{3 if zeros == 'a touch' else 1}f} mm: {zeros}")
@@ -180,14 +192,14 @@ def _draw_sides(axes: Axes, branch: OrbitBranch, values: Array) -> None:
 
 def _draw_passage(axes: Axes, result: SaddleNode) -> None:
     beyond = MM * result.distances
-    axes.loglog(beyond, result.cycles_a_turn, marker=".", label="cycles a turn", **style.LINE)
-    axes.loglog(beyond, result.passage, label="bottleneck, π/√(εa)", **style.SECOND)
+    axes.loglog(beyond, result.cycles_a_turn, marker=".", label="cycles a turn", **LINE)
+    axes.loglog(beyond, result.passage, label="bottleneck, π/√(εa)", **SECOND)
     if result.counted.size:
         distance, counted = result.counted.T
-        axes.plot(MM * distance, counted, "D", label="run cycle by cycle", **style.MARKS)
+        axes.plot(MM * distance, counted, "D", label="run cycle by cycle", **MARKS)
     axes.set(xlabel="distance inside the saddle-node (mm)", ylabel="cycles")
-    style.plain_ticks(axes.xaxis, (0.01, 0.03, 0.1, 0.3, 1.0))
-    style.plain_ticks(axes.yaxis, (20, 50, 100, 200))
+    plain_ticks(axes.xaxis, (0.01, 0.03, 0.1, 0.3, 1.0))
+    plain_ticks(axes.yaxis, (20, 50, 100, 200))
     axes.set_title("What is left: a passage")
     axes.legend(loc="upper right", borderaxespad=0.1)
 
@@ -206,3 +218,8 @@ def caption(result: SaddleNode) -> str:
         "bottleneck, and the passage shortens as one over the square root of the distance. The "
         f"curves miss cycles that were run by at most {math.degrees(result.error):.2g}°."
     )
+
+
+EXHIBITS = {
+    "saddle-node": Exhibit(compute, caption, draw),
+}

@@ -12,12 +12,20 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.views import style
-from cyclemap.views.object_page import MM, draw_object, draw_setup, mark_target
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.scene import MM, draw_object, draw_setup, mark_target
+from cyclemap.views.panels.style import (
+    FORCE,
+    INK,
+    PREDICTED,
+    QUIET,
+    arrow,
+    picture_style,
+    square_window,
+)
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
 START = math.radians(270.0)
@@ -51,11 +59,11 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
     return SetupAndCycles(loop, (first, second), (first.scene(), second.scene()))
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: SetupAndCycles) -> Figure:
     """Draw the set-up in the object's frame on the left, the two cycles in the world on the
     right."""
-    figure, (setup, cycles) = style.page("ab", size=(11.0, 5.9), keys=2)
+    figure, (setup, cycles) = page("ab", size=(11.0, 5.9), keys=2)
     draw_setup(setup, result.loop)
     _draw_lengths(setup, result)
     _draw_cycles(cycles, result)
@@ -92,29 +100,28 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
         turned = np.array([0.0, 0.0, cycle.theta + result.loop.push.angle])
         way = placed(turned, np.array([0.0, -1.0]))
         corners += [*(MM * scene.push.reach), tip - (_ARROW + _WORDS) * way]
-        style.arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
+        arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
         words = f"push {index}, from\nθ₀{raised} = {angle(cycle.theta, 0)}"
         x, y = (tip - (_ARROW + 4.0) * way).tolist()
         lean = "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
         axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
     mark_target(axes)
-    style.square_window(axes, np.array(corners))
+    square_window(axes, np.array(corners))
     axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
-    style.entitle(axes, "Path of the centre in cycles k and k+1")
+    entitle(axes, "Path of the centre in cycles k and k+1")
 
 
 def _path(axes: Axes, stroke: StrokeScene, colour: str, dash: object, label: str) -> None:
     path = MM * stroke.centre
-    line: style.Look = {"linestyle": dash, "linewidth": 2.2, "label": label, "zorder": 5}
-    axes.plot(*path.T, color=colour, **line)
+    axes.plot(*path.T, color=colour, linestyle=dash, linewidth=2.2, label=label, zorder=5)
     middle = len(path) // 2
-    style.arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
+    arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
 
 
 def caption(result: SetupAndCycles) -> str:
     """The lengths of the set-up, and how the orientation goes from one cycle to the next."""
     loop, (first, second) = result.loop, result.cycles
-    told = [
+    angles = [
         math.degrees(turn) for turn in (first.theta, first.push_turn, first.drag_turn, second.theta)
     ]
     return (
@@ -125,7 +132,12 @@ def caption(result: SetupAndCycles) -> str:
         "not published, that drawn is free. Right: path of the centre in two cycles that follow "
         f"each other, solid in the push, dashed in the drag, computed on {loop.material.name}. "
         "Arrows are the directions of the pushes, alike in the object's frame; beside them, the "
-        f"orientation before the push. From θ0 = {told[0]:.0f}° the push turns the object by "
-        f"{told[1]:.1f}°, the drag by {told[2]:.1f}°, so that the next push starts at "
-        f"{told[3]:.1f}°: the ring is back at its target, the centre is not where it was."
+        f"orientation before the push. From θ0 = {angles[0]:.0f}° the push turns the object by "
+        f"{angles[1]:.1f}°, the drag by {angles[2]:.1f}°, so that the next push starts at "
+        f"{angles[3]:.1f}°: the ring is back at its target, the centre is not where it was."
     )
+
+
+EXHIBITS = {
+    "setup-and-cycle": Exhibit(compute, caption, draw),
+}

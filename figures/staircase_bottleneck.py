@@ -33,17 +33,30 @@ from cyclemap.maps import (
     slow_passages,
     transfer_operator,
 )
-from cyclemap.views import style
-from cyclemap.views.map_panels import (
+from cyclemap.views.panels.layout import entitle, legend_above, page, rows_of
+from cyclemap.views.panels.orientation import (
     CIRCLE,
     PER_DEGREE,
     draw_histogram,
     draw_medians,
     draw_turns,
 )
+from cyclemap.views.panels.style import (
+    BAND,
+    BARS,
+    FOURTH,
+    LINE,
+    PATH,
+    PREDICTED,
+    SECOND,
+    Look,
+    count_axis,
+    degree_axis,
+    picture_style,
+)
 from cyclemap.views.sentences import angle
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
+from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 from .loop_family import with_ring_at
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.
@@ -51,7 +64,7 @@ WEAR_DEGREE = 2
 # The ring, in metres, a tenth of a millimetre inside the saddle-node; cycles drawn as a staircase.
 RADIUS, DRAWN = 0.0097, 800
 
-SAMPLED: style.Look = {**style.BARS, "facecolor": "#9db8d2", "edgecolor": style.PREDICTED}
+SAMPLED: Look = {**BARS, "facecolor": "#9db8d2", "edgecolor": PREDICTED}
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +134,9 @@ def measured_bottleneck(file: Path) -> Bottleneck:
             f"{file}: the pairs come in no known order; a staircase needs one row a push in order"
         )
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
-    found = bottleneck("measured plywood", fitted.map, fitted.sigma, pairs.path, turn_bins(pairs))
+    seen = bottleneck("measured plywood", fitted.map, fitted.sigma, pairs.path, turn_bins(pairs))
     if pairs.cycle is None:
-        return found
+        return seen
     worn = fit_map(
         pairs.theta,
         pairs.theta_next,
@@ -131,7 +144,7 @@ def measured_bottleneck(file: Path) -> Bottleneck:
         harmonics=HARMONICS,
         wear_degree=WEAR_DEGREE,
     )
-    return replace(found, run=worn.paths(pairs.path[:1], pairs.path.size - 1)[0])
+    return replace(seen, run=worn.paths(pairs.path[:1], pairs.path.size - 1)[0])
 
 
 def bottleneck(
@@ -169,15 +182,15 @@ def bottleneck(
     )
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: StaircaseBottleneck) -> Figure:
     """A row for the computed bottleneck and one for the measured, where there is case.
 
     Each shows map, directions, staircase, lengths of visits.
     """
     shown = [case for case in (result.computed, result.measured) if case is not None]
-    layout, size = style.rows_of(*(4,) * len(shown)), (13.6, 3.7 * len(shown))
-    figure, panels = style.page(layout, size=size, keys=3)
+    layout, size = rows_of(*(4,) * len(shown)), (13.6, 3.7 * len(shown))
+    figure, panels = page(layout, size=size, keys=3)
     for row, case in enumerate(shown):
         turn, directions, path, lengths = panels[4 * row : 4 * row + 4]
         _draw_turn(turn, case)
@@ -185,10 +198,10 @@ def draw(result: StaircaseBottleneck) -> Figure:
         _draw_path(path, case)
         _draw_lengths(lengths, case)
         for axes in (turn, directions):
-            style.degree_axis(axes, "θ0 (°)", 90)
-        style.entitle(turn, case.title.capitalize())
+            degree_axis(axes, "θ0 (°)", 90)
+        entitle(turn, case.title.capitalize())
         for axes in (directions, path, lengths):
-            style.legend_above(axes)
+            legend_above(axes)
     return figure
 
 
@@ -207,17 +220,17 @@ def _draw_turn(axes: Axes, case: Bottleneck) -> None:
         draw_medians(axes, case.bins, "medians")
     name = "map" if case.bins is None else "fitted map"
     draw_turns(axes, CIRCLE, {name: case.map.turn(CIRCLE)})
-    axes.plot(*np.degrees(_parabola(case)), label="ε + a x²", **style.SECOND)
+    axes.plot(*np.degrees(_parabola(case)), label="ε + a x²", **SECOND)
     axes.set_ylabel("turn of a cycle (°)")
 
 
 def _draw_directions(axes: Axes, case: Bottleneck) -> None:
-    look = style.BAND if case.bins is None else style.BARS
+    look = BAND if case.bins is None else BARS
     draw_histogram(axes, case.histogram, _seen(case), fill=True, **look)
-    axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **style.LINE)
+    axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **LINE)
     theta, pace = _parabola(case)
     share = PER_DEGREE * float(case.prediction.mean_turn) / (TWO_PI * pace)
-    axes.plot(np.degrees(theta), share, label="1/(ε + a x²)", **style.SECOND)
+    axes.plot(np.degrees(theta), share, label="1/(ε + a x²)", **SECOND)
     axes.set_ylabel("share of cycles (per degree)")
     axes.set_ylim(bottom=0.0)
 
@@ -226,15 +239,15 @@ def _draw_path(axes: Axes, case: Bottleneck) -> None:
     """The path in turns from its start, beside the fitted map's run, or its mean pace."""
     shown = case.path if case.bins is not None else case.path[: DRAWN + 1]
     pace = float(case.prediction.mean_turn)
-    run = {**style.LINE, "linewidth": 1.2}
+    run = {**LINE, "linewidth": 1.2}
     turns = (shown - shown[0]) / TWO_PI
-    axes.plot(turns, label=_seen(case), **(run if case.bins is None else style.PATH))
+    axes.plot(turns, label=_seen(case), **(run if case.bins is None else PATH))
     if case.run is None:
         mean = pace / TWO_PI * np.arange(shown.size)
-        axes.plot(mean, label="its mean", **style.FOURTH)
+        axes.plot(mean, label="its mean", **FOURTH)
     else:
         axes.plot((case.run - case.run[0]) / TWO_PI, label="run of the fitted map", **run)
-    style.count_axis(axes, "cycle", shown.size - 1)
+    count_axis(axes, "cycle", shown.size - 1)
     axes.set_ylabel("turns climbed (1)")
 
 
@@ -242,12 +255,12 @@ def _draw_lengths(axes: Axes, case: Bottleneck) -> None:
     mean, spread = case.visit
     top = 1.05 * max(float(case.lengths.max()), mean + 3 * spread)
     label = f"{_seen(case)}, mean {case.lengths.mean():.0f}"
-    bars = SAMPLED if case.bins is None else style.BARS
+    bars = SAMPLED if case.bins is None else BARS
     axes.hist(case.lengths, np.linspace(0, top, 31).tolist(), label=label, **bars)
-    axes.axvspan(mean - spread, mean + spread, **style.BAND)
+    axes.axvspan(mean - spread, mean + spread, **BAND)
     name, law = f"predicted {mean:.0f} ± {spread:.0f}", case.passage.passage_cycles
-    axes.axvline(mean, label=name, **style.LINE)
-    axes.axvline(law, label=f"π/√(εa) = {law:.0f}", **style.SECOND)
+    axes.axvline(mean, label=name, **LINE)
+    axes.axvline(law, label=f"π/√(εa) = {law:.0f}", **SECOND)
     axes.set(xlabel="cycles on a step", ylabel="number of steps (1)", xlim=(0, top))
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
 
@@ -256,7 +269,7 @@ def caption(result: StaircaseBottleneck) -> str:
     """What is seen, with its numbers."""
     computed = result.computed
     mean, spread = computed.visit
-    told = (
+    words = (
         f"Plywood (Table I) with its ring at {1000 * RADIUS:g} mm, just inside the saddle-node: no "
         f"direction repeats, but at {angle(computed.passage.theta, 0)} a cycle turns the object by "
         f"{angle(computed.passage.gap, 2)} only. There the robot spends most cycles, and each "
@@ -265,22 +278,27 @@ def caption(result: StaircaseBottleneck) -> str:
         f"{computed.lengths.size} steps sampled from them lasted {computed.lengths.mean():.0f} on "
         "average."
     )
-    found = result.measured
-    if found is None:
-        return f"{told} Of the robot's own staircase {NO_DATA}."
+    seen = result.measured
+    if seen is None:
+        return f"{words} Of the robot's own staircase {NO_DATA}."
     climbs = ""
-    if found.run is not None:
-        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (found.run, found.path))
+    if seen.run is not None:
+        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (seen.run, seen.path))
         climbs = (
             f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the "
             f"measured path {measured:.1f}."
         )
-    (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
+    (mean, spread), halves = seen.visit, np.array_split(seen.lengths, 2)
     return (
-        f"{told} The measured plywood staircase has such a bottleneck at "
-        f"{angle(found.passage.theta, 0)}: its fitted map predicts steps of {mean:.0f} ± "
-        f"{spread:.0f} cycles. The {found.lengths.size} measured ones that were seen whole lasted "
-        f"{found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than "
+        f"{words} The measured plywood staircase has such a bottleneck at "
+        f"{angle(seen.passage.theta, 0)}: its fitted map predicts steps of {mean:.0f} ± "
+        f"{spread:.0f} cycles. The {seen.lengths.size} measured ones that were seen whole lasted "
+        f"{seen.lengths.mean():.0f} ± {seen.lengths.std(ddof=1):.0f}: they differ more than "
         f"noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the "
         f"second {halves[1].mean():.0f}.{climbs}"
     )
+
+
+EXHIBITS = {
+    "staircase-bottleneck": Exhibit(compute, caption, draw),
+}

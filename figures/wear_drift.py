@@ -10,17 +10,18 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
-from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE, draw_turns
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.orientation import CIRCLE, draw_turns
+from cyclemap.views.panels.staircase import draw_pace
+from cyclemap.views.panels.style import LINE, THIRD, ZERO, count_axis, picture_style, plain_ticks
 from cyclemap.views.sentences import LONGEST_STAY, angle
-from cyclemap.views.staircase_panels import draw_pace
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
+from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 
 MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
@@ -129,35 +130,35 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: WearDrift) -> Figure:
     """The turn at three ages, computed and measured; the least turn and the cycles of a turn over
     the cycles.
     """
     seen = result.measured_turns
     layout = "aa;cd" if seen is None else "ab;cd"
-    figure, (computed, *measured, least, pace) = style.page(layout, size=(10.5, 6.8))
+    figure, (computed, *measured, least, pace) = page(layout, size=(10.5, 6.8))
     draw_turns(computed, CIRCLE, _by_age(result.turns))
-    style.entitle(computed, "Computed: turn of a cycle")
+    entitle(computed, "Computed: turn of a cycle")
     if seen is not None:
         draw_turns(measured[0], CIRCLE, _by_age(seen))
         measured[0].sharey(computed)
-        style.entitle(measured[0], "Measured: turn of a cycle, fitted")
-    least.axhline(0.0, **style.ZERO)
-    least.plot(result.cycles, np.degrees(result.least), label="computed", **style.LINE)
+        entitle(measured[0], "Measured: turn of a cycle, fitted")
+    least.axhline(0.0, **ZERO)
+    least.plot(result.cycles, np.degrees(result.least), label="computed", **LINE)
     if result.measured_least is not None:
         fitted = np.degrees(result.measured_least)
-        least.plot(result.cycles, fitted, label="measured, fitted", **style.THIRD)
-    style.count_axis(least, "cycle", int(result.cycles[-1]))
+        least.plot(result.cycles, fitted, label="measured, fitted", **THIRD)
+    count_axis(least, "cycle", int(result.cycles[-1]))
     least.set_ylabel("least turn of a cycle (°)")
-    style.entitle(least, "The bottleneck opens")
-    pace.plot(result.ages, result.cycles_a_turn, marker="o", label="computed", **style.LINE)
+    entitle(least, "The bottleneck opens")
+    pace.plot(result.ages, result.cycles_a_turn, marker="o", label="computed", **LINE)
     if result.pace is not None:
         draw_pace(pace, result.pace)
     pace.set(xlabel="cycle", ylabel="cycles a turn", xlim=(0, result.cycles[-1]), yscale="log")
     pace.set_ylim(15, 1000)
-    style.plain_ticks(pace.yaxis, (20, 50, 100, 200, 500))
-    style.entitle(pace, "Cycles a turn")
+    plain_ticks(pace.yaxis, (20, 50, 100, 200, 500))
+    entitle(pace, "Cycles a turn")
     return figure
 
 
@@ -168,7 +169,7 @@ def _by_age(turns: tuple[Array, ...]) -> dict[str, Array]:
 def caption(result: WearDrift) -> str:
     """What is seen, with its numbers."""
     last, least = result.cycles_a_turn[-1], np.degrees(result.least[[0, -1]])
-    told = (
+    words = (
         f"The cycle map of {MATERIAL}, whose friction was inferred from the measured staircase, as "
         f"the surface wears. The least turn of a cycle grows from {least[0]:.2f}° on the fresh "
         f"surface to {least[1]:.2f}° after {result.cycles[-1]:.0f} cycles: up to about cycle "
@@ -178,10 +179,15 @@ def caption(result: WearDrift) -> str:
     )
     pace = result.pace
     if pace is None:
-        return f"{told} Of the robot's own turns {NO_DATA}."
+        return f"{words} Of the robot's own turns {NO_DATA}."
     return (
-        f"{told} The robot's own turns took {pace.measured[0]:.0f} cycles early on and "
+        f"{words} The robot's own turns took {pace.measured[0]:.0f} cycles early on and "
         f"{pace.measured[-1]:.0f} late (the measured curves are drawn where it has been within "
         f"{NEAR} cycles); a map fitted to its path, free to wear, holds {100 * pace.inside:.0f} % "
         "of them within its 95 % bands."
     )
+
+
+EXHIBITS = {
+    "wear-drift": Exhibit(compute, caption, draw),
+}

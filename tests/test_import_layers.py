@@ -199,8 +199,8 @@ ROWS = {
         ("lifts", "orbits", "noise", "passages", "operator", "staircases"),
     ),
     "evidence": (
-        ("pushes", "laws", "comparison"),
-        ("pushes", "laws", "identification", "data_blocks", "push_plan"),
+        ("tables", "pushes", "laws", "comparison"),
+        ("tables", "pushes", "laws", "identification", "data_blocks", "push_plan"),
     ),
 }
 PARTS_SHARED: dict[str, set[str]] = {

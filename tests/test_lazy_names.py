@@ -14,7 +14,7 @@ ROOMS = ("maps", "mechanics", "collection", "protocol", "evidence", "sweeps", "r
 # Functions that are called like the module they are in.
 NAMESAKES = (
     *("collection.batch_experiment", "collection.fingerprint", "collection.portrait"),
-    *("sweeps.run_sweep", "sweeps.sweep_curves"),
+    "sweeps.run_sweep",
 )
 
 

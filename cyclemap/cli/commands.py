@@ -17,6 +17,7 @@ from cyclemap.cli.options import (
     decorated,
     json_option,
     loop_options,
+    out_option,
     protocol_options,
     quiet_option,
     result_options,
@@ -28,56 +29,18 @@ from cyclemap.cli.options import (
     theta0_option,
 )
 
-_RECORDED = (
-    "Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses "
-    "and places of the tip."
-)
-_MEASURED = "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
-_FOLDER = "Folder of measured data. [default: $CYCLEMAP_DATA, or shared/data beside the checkout]"
-_FACT = "One fact of the experiment (rod, ring, object); repeatable."
-_STUDENT = "Freedom of Student noise, which lets outliers count less; a large one is normal noise."
-_OVER = (
-    "A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop with "
-    "--sample. Repeatable."
-)
-_QUANTITIES = (
-    "By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary and "
-    "staircase cost most."
-)
-_TOLERANCE = (
-    "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
-)
-_ROTATION_TOLERANCE = (
-    "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
-)
-_RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
-_SURFACE = "Name or TOML file of the surface. [default: with --protocol isotropic]"
-_TV = "Most total variation of θ0 from uniform, in the long run, at the worst of the range."
-_CONTACT = (
-    "Shortest way of the rod in contact, in every push.  [default: two thirds of the "
-    "push, else one]"
-)
-_MORE = "What the robot can do besides: put the ring elsewhere, turn the object. Repeatable."
-_AXES = (
-    "How much one axis of friction may be longer against the other.  [default: the material's "
-    "posterior, or 10]"
-)
-_OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
-_LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
 _MARGIN = (
     "Tell how far every setting is from losing or gaining a stable direction: some seconds, "
     "minutes under shapes."
 )
-_ASKED = (
-    "What is asked: stable directions and whether there are any, the whole map, or where "
-    "pushes end."
-)
-_NOT_NEGATIVE, _ABOVE_ZERO = RealRange(min=0.0), RealRange(min=0.0, min_open=True)
-_SHARE, _PERCENT = (
-    RealRange(min=0.0, max=1.0, min_open=True, max_open=True),
-    RealRange(min=0.0, max=100.0, max_open=True),
-)
+_NOT_NEGATIVE = RealRange(min=0.0)
+_ABOVE_ZERO = RealRange(min=0.0, min_open=True)
+_SHARE = RealRange(min=0.0, max=1.0, min_open=True, max_open=True)
+_PERCENT = RealRange(min=0.0, max=100.0, max_open=True)
 _WAIT = RealRange(min=0.01, max=86400.0)
+
+
+speed_option = option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod.")
 
 
 class _Commands(click.Group):
@@ -118,7 +81,8 @@ def command(name: str, says: str, *takes: Decorator, beside: str = "") -> None:
 
     def work(**given: object) -> None:
         module = import_module(f"cyclemap.cli.run_{beside or name}")
-        run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
+        run = getattr(module, f"run_{name}")
+        options = f"{name.title()}Options"
         if hasattr(module, options):
             run(getattr(module, options)(**given))
         else:
@@ -170,7 +134,7 @@ command(
     draw it.
     """,
     argument("file", type=PATH),
-    option("--out", metavar="DIR", type=PATH, default="out", help="Of the picture."),
+    out_option("Of the picture."),
     json_option,
     beside="init",
 )
@@ -239,7 +203,10 @@ command(
         "target",
         type=Choice(["direction", "map", "pushes"]),
         default="direction",
-        help=_ASKED,
+        help=(
+            "What is asked: stable directions and whether there are any, the whole map, or where "
+            "pushes end."
+        ),
     ),
     option(
         "--grid",
@@ -330,7 +297,8 @@ command(
         show_default=False,
         help="Open the page, or only write it.",
     ),
-    option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
+    out_option("Where."),
+    beside="report",
 )
 command(
     "dynamics",
@@ -343,7 +311,7 @@ command(
     """,
     loop_options,
     theta0_option,
-    option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod."),
+    speed_option,
     result_options("dynamics_MATERIAL.png and .json"),
 )
 command(
@@ -359,7 +327,7 @@ command(
     loop_options,
     option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced."),
     option("--cycles", type=Whole(1, MOST_CYCLES), default=100, help="Cycles a batch."),
-    option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod."),
+    speed_option,
     option(
         "--quasi-static",
         is_flag=True,
@@ -376,7 +344,14 @@ command(
     captions.
     """,
     argument("names", metavar="[NAME ...|all]", nargs=-1),
-    option("--data", metavar="DIR", type=PATH, help=_FOLDER),
+    option(
+        "--data",
+        metavar="DIR",
+        type=PATH,
+        help=(
+            "Folder of measured data. [default: $CYCLEMAP_DATA, or shared/data beside the checkout]"
+        ),
+    ),
     result_options("pictures, tables and figures.json"),
 )
 command(
@@ -443,7 +418,13 @@ command(
     table_options,
     select_option,
     option("--protocol", metavar="TOML", type=PATH, help="The --set keys in TOML tables."),
-    option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=_FACT),
+    option(
+        "--set",
+        "settings",
+        metavar="KEY=VALUE",
+        multiple=True,
+        help="One fact of the experiment (rod, ring, object); repeatable.",
+    ),
     option("--first", type=Whole(min=0), default=0, help="Leave out cycles before this one."),
     option(
         "--most",
@@ -479,10 +460,17 @@ command(
         multiple=True,
         help="Hold a parameter (SI units); repeatable.",
     ),
-    option("--wear", is_flag=True, help="Let the friction change over the cycles."),
+    option("--wear", is_flag=True, help="Let friction and floor change over the cycles."),
     option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
     option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
-    option("--student", type=RealRange(min=1.0, min_open=True), default=4.0, help=_STUDENT),
+    option(
+        "--student",
+        type=RealRange(min=1.0, min_open=True),
+        default=4.0,
+        help=(
+            "Freedom of Student noise, which lets outliers count less; a large one is normal noise."
+        ),
+    ),
     option("--starts", type=Whole(min=1), default=2, help="Searches."),
     seed_option("Seed of starts, folds and draws."),
     option("--name", help="Of the material. [default: SURFACE-identified]"),
@@ -494,7 +482,15 @@ command(
     """Set the prediction of a material beside measured data, and say where they agree.""",
     loop_options,
     table_options,
-    option("--data", metavar="DATA", required=True, type=PATH, help=_MEASURED),
+    option(
+        "--data",
+        metavar="DATA",
+        required=True,
+        type=PATH,
+        help=(
+            "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
+        ),
+    ),
     option("--first", type=Whole(min=0), default=0, help="Leave out pushes before this one."),
     select_option,
     option("--runs", type=Whole(min=19), default=199, help="Simulated collections."),
@@ -511,7 +507,16 @@ command(
     coefficient changes no motion.
     """,
     loop_options,
-    option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED),
+    option(
+        "--data",
+        metavar="PATH",
+        required=True,
+        type=PATH,
+        help=(
+            "Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses "
+            "and places of the tip."
+        ),
+    ),
     table_options,
     select_option,
     option(
@@ -532,7 +537,15 @@ command(
     300 pushes lock in, and where. With --follow, `--json -` prints a line of JSON for each push.
     """,
     argument("file", type=PATH),
-    option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE),
+    option(
+        "--alarm-rate",
+        type=_SHARE,
+        default=0.01,
+        help=(
+            "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not "
+            "linger."
+        ),
+    ),
     option(
         "--follow",
         is_flag=True,
@@ -545,7 +558,11 @@ command(
         type=PATH,
         help="With a [strategy]: which of its actions to take next.",
     ),
-    option("--material", metavar="MATERIAL", help=_SURFACE),
+    option(
+        "--material",
+        metavar="MATERIAL",
+        help="Name or TOML file of the surface. [default: with --protocol isotropic]",
+    ),
     table_options,
     result_options("watch_FILE.png and .json"),
 )
@@ -555,22 +572,56 @@ command(
     and schedule.
     """,
     loop_options,
-    option("--allow-tv", type=_SHARE, default=0.10, help=_TV),
+    option(
+        "--allow-tv",
+        type=_SHARE,
+        default=0.10,
+        help="Most total variation of θ0 from uniform, in the long run, at the worst of the range.",
+    ),
     option("--extra-tv", type=_SHARE, default=0.02, help="More after --within pushes."),
     option("--within", type=Whole(1, 10_000), default=50, help="Pushes from the worst start."),
     option("--drag-ratio", type=_ABOVE_ZERO, default=2.0, help="Most mean drag, in those of now."),
     option("--reach-mm", type=_ABOVE_ZERO, help="Most distance of rod or object from the target."),
     option("--seconds", type=_ABOVE_ZERO, help="Most mean time of a cycle."),
-    option("--least-push-mm", type=_ABOVE_ZERO, help=_CONTACT),
-    option("--with", "abilities", type=Choice(["ring", "gripper"]), multiple=True, help=_MORE),
+    option(
+        "--least-push-mm",
+        type=_ABOVE_ZERO,
+        help=(
+            "Shortest way of the rod in contact, in every push.  [default: two thirds of the "
+            "push, else one]"
+        ),
+    ),
+    option(
+        "--with",
+        "abilities",
+        type=Choice(["ring", "gripper"]),
+        multiple=True,
+        help="What the robot can do besides: put the ring elsewhere, turn the object. Repeatable.",
+    ),
     option(
         "--keep-push",
         is_flag=True,
         help="Change only the way back: every push stays the loop's own.",
     ),
-    option("--axes-percent", type=_PERCENT, help=_AXES),
-    option("--offsets-percent", type=_ABOVE_ZERO, help=_OFFSETS),
-    option("--likely", metavar="MATERIAL", multiple=True, help=_LIKELY),
+    option(
+        "--axes-percent",
+        type=_PERCENT,
+        help=(
+            "How much one axis of friction may be longer against the other.  [default: the "
+            "material's posterior, or 10]"
+        ),
+    ),
+    option(
+        "--offsets-percent",
+        type=_ABOVE_ZERO,
+        help="How much m0 and n0 may vary.  [default: the material's posterior, or 50]",
+    ),
+    option(
+        "--likely",
+        metavar="MATERIAL",
+        multiple=True,
+        help="A material as likely as MATERIAL, in place of these percentages. Repeatable.",
+    ),
     option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect."),
     option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length."),
     seed_option("Seed of the schedule."),
@@ -588,7 +639,7 @@ command(
         is_flag=True,
         help="Also find a reset without bias, with its files (some ten seconds).",
     ),
-    option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
+    out_option("Where."),
 )
 command(
     "sweep",
@@ -598,7 +649,16 @@ command(
     once when all is there. Over one key or two it draws the bifurcation or phase diagram.
     """,
     protocol_options,
-    option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),
+    option(
+        "--over",
+        metavar="KEY=VALUES",
+        multiple=True,
+        required=True,
+        help=(
+            "A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop "
+            "with --sample. Repeatable."
+        ),
+    ),
     option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
     seed_option("Seed of the sample."),
     option(
@@ -607,9 +667,31 @@ command(
         default="sobol",
         help="How the sample is spread.",
     ),
-    option("--quantities", metavar="LIST", default="rotation,fixed_points,turns", help=_QUANTITIES),
-    option("--tolerance-deg", type=Real(), help=_TOLERANCE),
-    option("--rotation-tolerance", type=Real(), default=1e-4, help=_ROTATION_TOLERANCE),
+    option(
+        "--quantities",
+        metavar="LIST",
+        default="rotation,fixed_points,turns",
+        help=(
+            "By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary "
+            "and staircase cost most."
+        ),
+    ),
+    option(
+        "--tolerance-deg",
+        type=Real(),
+        help=(
+            "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
+        ),
+    ),
+    option(
+        "--rotation-tolerance",
+        type=Real(),
+        default=1e-4,
+        help=(
+            "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far "
+            "more."
+        ),
+    ),
     option("--workers", type=Whole(min=1), help="Processes. [default: one a core]"),
     option(
         "--export",
@@ -634,7 +716,5 @@ command(
 
     The exit code is 1 where something that should work does not.
     """,
-    option(
-        "--json", "json_target", metavar="FILE", help="Write the findings as JSON; - prints them."
-    ),
+    json_option,
 )

@@ -48,7 +48,8 @@ _STAIRCASE = ("mean_turn", "mean_residence_cycles", "step")
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
-    rotation, operator = portrait.rotation, portrait.operator
+    rotation = portrait.rotation
+    operator = portrait.operator
     locked = rotation.locked
     stationary: Json = {
         "noise_deg": degrees(portrait.noise.sigma),
@@ -59,7 +60,7 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     }
     if portrait.held:
         stationary["held"] = [json_of(held, "peak", "share", "leaving") for held in portrait.held]
-    told: Json = {
+    report: Json = {
         "map": {
             "degree": portrait.map.degree,
             "samples": portrait.map.samples,
@@ -76,12 +77,12 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         **_prospects(portrait),
     }
     if measured is not None:
-        told["data"] = {
+        report["data"] = {
             "pairs": measured.agreement.pairs,
             "dropped": dict(measured.pairs.dropped),
             **json_of(measured.agreement, "bins", "rms", "bin_rms"),
         }
-    return told
+    return report
 
 
 def staircase_report(
@@ -89,7 +90,7 @@ def staircase_report(
 ) -> Json:
     """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
     zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
-    told: Json = {
+    report: Json = {
         "noise_deg": degrees(forecast.noise.sigma),
         "prediction": {
             **json_of(forecast.prediction, *_STAIRCASE),
@@ -97,22 +98,22 @@ def staircase_report(
                 {**json_of(zone), "log10_residence_cycles": written(log10)} for zone, log10 in zones
             ],
         },
-        "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
+        "run": {"seed": forecast.staircase.seed, **steps_report(forecast.steps)},
         **_prospects(forecast),
     }
-    return told if measured is None else {**told, "data": measured_report(measured)}
+    return report if measured is None else {**report, "data": measured_report(measured)}
 
 
 def _prospects(result: Portrait | StaircaseForecast) -> Json:
     """How sure a prediction is, what the next pushes bring, and the worn surface, where known."""
-    told: Json = {}
+    report: Json = {}
     if result.uncertainty is not None:
-        told["uncertainty"] = uncertainty_report(result.uncertainty)
+        report["uncertainty"] = uncertainty_report(result.uncertainty)
     if result.forecast is not None:
-        told["forecast"] = json_of(result.forecast)
+        report["forecast"] = json_of(result.forecast)
     if result.worn is not None:
-        told["worn"] = json_of(result.worn)
-    return told
+        report["worn"] = json_of(result.worn)
+    return report
 
 
 def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
@@ -135,14 +136,19 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
 
 def push_report(push: SidePush) -> Json:
     """How the rod pushes."""
-    told = json_of(push, "side", "fraction")
-    return {**told, "angle_deg": degrees(push.angle), "push_mm": millimetres(push.distance)}
+    return {
+        **json_of(push, "side", "fraction"),
+        "angle_deg": degrees(push.angle),
+        "push_mm": millimetres(push.distance),
+    }
 
 
 def orbit_report(orbit: Orbit) -> Json:
     """Where a fixed point is, and whether it is stable."""
-    theta = direction_deg(float(orbit.points[0]))
-    return {"theta_deg": theta, **json_of(orbit, "multiplier", "stable")}
+    return {
+        "theta_deg": direction_deg(float(orbit.points[0])),
+        **json_of(orbit, "multiplier", "stable"),
+    }
 
 
 def json_text(report: Json) -> str:
@@ -150,14 +156,14 @@ def json_text(report: Json) -> str:
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-def uncertainty_report(found: DirectionUncertainty) -> Json:
+def uncertainty_report(known: DirectionUncertainty) -> Json:
     """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares
     are no chances.
     """
     return {
-        **json_of(found, "source", "method", "first_order_error", "samples", "locks"),
-        "chance_of_lock_in": found.chance if found.is_posterior else None,
-        **json_of(found, "directions"),
+        **json_of(known, "source", "method", "first_order_error", "samples", "locks"),
+        "chance_of_lock_in": known.chance if known.is_posterior else None,
+        **json_of(known, "directions"),
     }
 
 
@@ -177,40 +183,45 @@ def margin_report(margin: DirectionMargin) -> Json:
 
 
 def _change(change: DirectionChange, unit: Unit) -> Json:
-    told = json_of(change, "value", unit=unit)
-    error = {"error": written(change.value.error_bound, unit)}
-    return {**told, **error, **json_of(change, "kind", "theta", "directions")}
+    return {
+        **json_of(change, "value", unit=unit),
+        "error": written(change.value.error_bound, unit),
+        **json_of(change, "kind", "theta", "directions"),
+    }
 
 
 def steps_report(steps: Steps) -> Json:
     """The dwells and steps of a path."""
-    dwells = rows(
-        first_cycle=steps.start,
-        cycles=steps.lengths,
-        level_deg=degrees(steps.levels),
-        censored=steps.censored,
-    )
     return {
         **json_of(steps, "cycles", "climb"),
         "steps": steps.count,
         "heights_deg": degrees(steps.heights),
-        "dwells": dwells,
+        "dwells": rows(
+            first_cycle=steps.start,
+            cycles=steps.lengths,
+            level_deg=degrees(steps.levels),
+            censored=steps.censored,
+        ),
     }
 
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    told, found = steps_report(measured.steps), measured.foretold
-    if found is None:
-        return {**told, "fitted": None, "problem": measured.problem, "comparison": None}
-    fitted = {
-        "harmonics": found.fitted.law.harmonics,
-        "pairs": found.fitted.pairs,
-        "noise_deg": degrees(found.fitted.sigma),
-        **json_of(found.prediction),
+    report = steps_report(measured.steps)
+    foretold = measured.foretold
+    if foretold is None:
+        return {**report, "fitted": None, "problem": measured.problem, "comparison": None}
+    return {
+        **report,
+        "fitted": {
+            "harmonics": foretold.fitted.law.harmonics,
+            "pairs": foretold.fitted.pairs,
+            "noise_deg": degrees(foretold.fitted.sigma),
+            **json_of(foretold.prediction),
+        },
+        "problem": None,
+        "comparison": comparison_report(foretold.comparison),
     }
-    comparison = comparison_report(found.comparison)
-    return {**told, "fitted": fitted, "problem": None, "comparison": comparison}
 
 
 def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:

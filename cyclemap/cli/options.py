@@ -23,8 +23,8 @@ from cyclemap.plain_text import plain_number, plain_whole, printable
 if TYPE_CHECKING:
     from cyclemap.arrays import Array
     from cyclemap.evidence import Theta0Pairs
-    from cyclemap.evidence.pushes.conventions import Convention
-    from cyclemap.evidence.pushes.pose_streams import Segments
+    from cyclemap.evidence.tables.conventions import Convention
+    from cyclemap.evidence.tables.pose_streams import Segments
     from cyclemap.protocol.chosen_loop import LoopOptions
 
 
@@ -61,6 +61,11 @@ def seed_option(of: str) -> Decorator:
     return click.option("--seed", type=Whole(min=0), default=0, help=of)
 
 
+def out_option(of: str) -> Decorator:
+    """The option of the folder where results go; `of` says which."""
+    return click.option("--out", metavar="DIR", type=PATH, default="out", help=of)
+
+
 def decorated(command: Command, *decorators: Decorator) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
@@ -90,10 +95,8 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
 
         command(options=LoopOptions(material or material_file, protocol, settings), **others)
 
-    file, tables = (
-        "A material file, in place of MATERIAL.",
-        "The --set keys in TOML tables, and a [strategy].",
-    )
+    file = "A material file, in place of MATERIAL."
+    tables = "The --set keys in TOML tables, and a [strategy]."
     return decorated(
         chosen,
         click.argument("material", required=False),
@@ -174,7 +177,8 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
         is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if not is_said or name in left_out or name not in context.params:
             continue
-        given, option = context.params[name], parameter.opts[:1]
+        given = context.params[name]
+        option = parameter.opts[:1]
         if isinstance(parameter, click.Argument):
             option = []
         if given is True:
@@ -195,7 +199,7 @@ def pair_in_metres(option: str, text: str) -> tuple[float, float]:
     (0.25, -0.03)
     """
     try:
-        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
+        x, y = (1e-3 * plain_number(length.strip()) for length in text.split(","))
     except ValueError as cause:
         raise InvalidInput(f"{option} {text!r} is not of the form x,y, such as 350,-30") from cause
     return x, y
@@ -228,7 +232,7 @@ def result_options(files: str) -> Decorator:
     formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
         gathered(command, "results", ResultOptions),
-        click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
+        out_option(f"Where {files} go."),
         click.option(
             "--format", "picture_format", type=formats, default="png", help="Format of the picture."
         ),
@@ -242,8 +246,8 @@ def quiet_option() -> click.Option:
     def keep(context: click.Context, _: click.Parameter, value: bool) -> None:
         context.meta[_QUIET] = value
 
-    told = "Say nothing but errors, warnings and --json."
-    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+    words = "Say nothing but errors, warnings and --json."
+    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=words)
 
 
 def is_quiet() -> bool:
@@ -289,10 +293,10 @@ class RealRange(_PlainDigits, click.FloatRange):
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> Any:
         """Return the number."""
-        found = super().convert(value, param, ctx)
-        if math.isnan(found):
+        converted = super().convert(value, param, ctx)
+        if math.isnan(converted):
             self.fail("nan is in no range", param, ctx)
-        return found
+        return converted
 
 
 @dataclass(frozen=True)
@@ -349,13 +353,13 @@ def table_options(command: Command) -> Command:
 
 def told_columns(columns: str | None, units: str | None) -> tuple[dict[str, str], list[str]]:
     """What --columns and --units say; InvalidInput where they cannot be read."""
-    told = {}
-    for part in filter(str.strip, (columns or "").split(",")):
-        name, _, column = (word.strip() for word in part.partition("="))
+    named = {}
+    for pair in filter(str.strip, (columns or "").split(",")):
+        name, _, column = (word.strip() for word in pair.partition("="))
         if not (name and column):
             raise InvalidInput(f"--columns {columns}: give it as theta0=yaw,theta_next=yaw_after")
-        told[name] = column
-    return told, [unit.strip() for unit in (units or "").split(",") if unit.strip()]
+        named[name] = column
+    return named, [unit.strip() for unit in (units or "").split(",") if unit.strip()]
 
 
 def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
@@ -375,9 +379,9 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     """The data, or a table of them under `out` that every command reads, after saying on stderr
     what was read.
     """
-    from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
-    from cyclemap.evidence.pushes.own_tables import is_own
-    from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
+    from cyclemap.evidence.tables.conventions import as_read_name, convention_of
+    from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
+    from cyclemap.evidence.tables.planned_table import filled_text
     from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
@@ -385,7 +389,8 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     said = {**data_table(data), **said}
     words: Sequence[str] = ()
     guessed = False
-    if is_planned(data):
+    kind = file_kind(data)
+    if kind is FileKind.PLANNED:
         if any(vars(table).values()):
             raise InvalidInput(
                 f"{data}: a table of planned pushes tells its columns, units and angles: leave "
@@ -393,7 +398,7 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
             )
         target = out / f"{file_stem(data.stem)}_as_read.csv"
         text, words = filled_text(data)
-    elif table.columns is not None or table.units is not None or is_own(data):
+    elif table.columns is not None or table.units is not None or kind is FileKind.OTHER:
         target = out / as_read_name(file_stem(data.stem), said)
         text, words, guessed = _own_text(data, table, out)
     elif said:
@@ -410,21 +415,21 @@ def _own_text(data: Path, table: TableOptions, out: Path) -> tuple[str, Sequence
     """A table of people's own as CSV, what was read as what, and whether that was guessed; a
     stream of poses is drawn as it was cut.
     """
-    from cyclemap.evidence.pushes.own_tables import read_own_table
-    from cyclemap.evidence.pushes.pose_streams import UnclearStream
+    from cyclemap.evidence.tables.own_tables import read_own_table
+    from cyclemap.evidence.tables.pose_streams import UnclearStream
     from cyclemap.text_files import file_stem
 
     motions = out / f"{file_stem(data.stem)}_motions.png"
     columns, units = told_columns(table.columns, table.units)
     try:
-        found = read_own_table(data, columns, units, **table.convention)
+        own = read_own_table(data, columns, units, **table.convention)
     except UnclearStream as error:
         picture = _pictured(error.seen, motions)
         raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
-    words = list(found.words)
-    if found.segments is not None:
-        words.append(f"picture: {_pictured(found.segments, motions)}")
-    return found.csv_text(), words, found.guessed
+    words = list(own.words)
+    if own.segments is not None:
+        words.append(f"picture: {_pictured(own.segments, motions)}")
+    return own.csv_text(), words, own.guessed
 
 
 def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:
@@ -446,27 +451,29 @@ def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> li
 
 
 def _in_our_convention(data: Path, convention: Convention) -> str:
-    """A table that every reader takes, or the pushes of files in the MIT layout, as CSV in our
-    convention.
-    """
-    from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, load_pushes
-    from cyclemap.text_files import csv_text, read_csv_table
+    """A table of ours, or the pushes of files in the MIT layout, as CSV in our convention."""
+    from cyclemap.evidence.pushes.push_table import load_pushes
+    from cyclemap.evidence.tables.columns import known_columns, our_names, our_text
+    from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
+    from cyclemap.text_files import read_csv_table
 
     if data.suffix.lower() == CSV_SUFFIX and data.is_file():
-        return csv_text(convention.table(read_csv_table(data)))
+        table = read_csv_table(data)
+        rows = convention.rows(known_columns(table))
+        return our_text({name: rows[name] for name in our_names(table.header)})
     offset = math.degrees(convention.offset)
     pushes = load_pushes(
         data, angles=convention.angles, frame=convention.frame, offset_deg=offset
     ).table
-    told = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
-    return str(told.to_csv(index=False, lineterminator="\n"))
+    known = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
+    return our_text(known.to_dict("series"))
 
 
 def _pictured(seen: Segments, path: Path) -> Path:
     """Draw how a stream of poses was cut, and return where."""
     from cyclemap.text_files import write_whole
-    from cyclemap.views.stream_page import stream_page
-    from cyclemap.views.style import render
+    from cyclemap.views.panels.layout import render
+    from cyclemap.views.push_pages import stream_page
 
     write_whole(path, render(stream_page(seen), "png"))
     return path

@@ -18,7 +18,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import json_text
+from cyclemap.cli.json_report import json_text, margin_report
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.progress import Progress
@@ -29,15 +29,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cyclemap.collection.loop import CollectionLoop
-    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 # What people are told: sentences and tables.
 Told = str | Text | Table
-PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
+PATIENCE_SECONDS = 2.0
+LINE_SECONDS = 5.0
+BAR_SECONDS = 0.1
 # More letters than any table has in a row.
 _WIDEST = 10_000
 # Of a table wider than this, in letters, columns of words are broken at so many.
-_WIDE, _WORDS = 120, 32
+_WIDE = 120
+_WORDS = 32
 
 
 def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None = None) -> Path:
@@ -57,7 +59,8 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     """
     from cyclemap.mechanics import Slider  # those that only publish need no mechanics
 
-    name, square = loop.slider.name, Slider.mit("rect1")
+    name = loop.slider.name
+    square = Slider.mit("rect1")
     where = file_stem(loop.material.name if surface is None else surface)
     is_square = (name, loop.slider.outline) == (square.name, square.outline)
     return out / (f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}")
@@ -92,7 +95,7 @@ def publish(
     figure: Figure,
     stem: Path,
     results: ResultOptions,
-    *told: Told,
+    *words: Told,
     after: Sequence[str] = (),
 ) -> None:
     """Write stem.json and the picture beside it, and send the report where --json says; unless it
@@ -100,12 +103,12 @@ def publish(
     """
     picture = write_result(report, figure, stem, results.picture_format)
     if not publish_json(report, results.json_target):
-        PeopleConsole().tell(*told, f"picture: {picture}", *after)
+        PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
 
 def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
     """Write stem.json and the picture beside it, and return the picture's path."""
-    from cyclemap.views.style import render
+    from cyclemap.views.panels.layout import render
 
     write_json(stem.with_name(f"{stem.name}.json"), report)
     picture = stem.with_name(f"{stem.name}.{picture_format}")
@@ -115,7 +118,8 @@ def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) 
 
 def write_page(page: str, stem: Path) -> Path:
     """Write a page as stem.html, tell people where, and return that."""
-    place, content = stem.with_name(f"{stem.name}.html"), page.encode()
+    place = stem.with_name(f"{stem.name}.html")
+    content = page.encode()
     write_whole(place, content)
     click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")
     return place
@@ -152,7 +156,9 @@ def progress_bar(label: str) -> Iterator[Progress]:
     if is_quiet():
         yield lambda fraction: None
         return
-    share, ended, begun = 0.0, threading.Event(), time.monotonic()
+    share = 0.0
+    ended = threading.Event()
+    begun = time.monotonic()
 
     def report(fraction: float) -> None:
         nonlocal share
@@ -205,11 +211,11 @@ class PeopleConsole(Console):
         """
         return super().render_str(printable(text), **options)
 
-    def tell(self, headline: Told, *told: Told) -> None:
+    def tell(self, headline: Told, *words: Told) -> None:
         """Print a headline, in bold where it is a sentence, and sentences and tables below it; what
         is empty goes unsaid.
         """
-        for item in (styled(headline, "bold") if isinstance(headline, str) else headline, *told):
+        for item in (styled(headline, "bold") if isinstance(headline, str) else headline, *words):
             if isinstance(item, Table):
                 self.print_table(item)
             elif item:
@@ -221,16 +227,15 @@ class PeopleConsole(Console):
 
         Squeezed it would lose its numbers, and broken lines are no table.
         """
-        before, room = self.width, self.options.update(width=_WIDEST)
+        before = self.width
+        room = self.options.update(width=_WIDEST)
         needed = Measurement.get(self, room, table).maximum
         if needed > _WIDE and table.show_header:
             # Words can be broken, numbers cannot.
             for column in table.columns:
                 if column.justify == "left" and not column.no_wrap:
-                    column.max_width, column.overflow = (
-                        min(column.max_width or _WORDS, _WORDS),
-                        "fold",
-                    )
+                    column.max_width = min(column.max_width or _WORDS, _WORDS)
+                    column.overflow = "fold"
             needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:
             if table.title:
@@ -246,20 +251,17 @@ class PeopleConsole(Console):
         self.width = before
 
 
-def margins_of(loop: CollectionLoop) -> tuple[DirectionMargin, ...]:
-    """How far every setting of a loop is from a change of its stable directions, with progress."""
+def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
+    """How far every setting of a loop is from a change of its stable directions: as JSON, and what
+    people are told of it.
+    """
     from cyclemap.sweeps.direction_margins import direction_margins
-
-    with progress_bar("margins of the settings") as report:
-        return direction_margins(loop, progress=report)
-
-
-def told_margins(margins: Sequence[DirectionMargin]) -> list[Told]:
-    """What people are told of them."""
     from cyclemap.views import sentences
 
-    told: list[Told] = [sentences.margin_sentence(margins)]
+    with progress_bar("margins of the settings") as report:
+        margins = direction_margins(loop, progress=report)
+    words: list[Told] = [sentences.margin_sentence(margins)]
     if rows := sentences.margin_rows(margins):
         title = "Where stable directions come and go"
-        told.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
-    return told
+        words.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
+    return [*map(margin_report, margins)], words

@@ -43,9 +43,10 @@ def run_compare(
     """
     read = readable_data(data, table, results.out)
     chosen = chosen_loop(options, data)
-    loop, name = chosen.loop, chosen.loop.material.name
+    loop = chosen.loop
+    name = chosen.loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
-        found = compare(
+        compared = compare(
             loop,
             read,
             noise=None if chosen.sigma is None else WrappedNormal(chosen.sigma),
@@ -57,35 +58,33 @@ def run_compare(
             seed=seed,
             progress=report,
         )
-    page = compare_page(name, found, turn_curve(found.prediction.map_at(found.middle)))
-    stem = result_stem(results.out, "compare", loop)
     note = plate_note(loop.material, loop.slider)
     publish(
-        compare_report(name, found),
-        page,
-        stem,
+        compare_report(name, compared),
+        compare_page(name, compared, turn_curve(compared.prediction.map_at(compared.middle))),
+        result_stem(results.out, "compare", loop),
         results,
-        headline(name, found),
-        data_sentence(found),
-        *found.data.reading,
-        *(verdict.words for verdict in verdicts(found)),
-        *trust_sentences(found),
+        headline(name, compared),
+        data_sentence(compared),
+        *compared.data.reading,
+        *(verdict.words for verdict in verdicts(compared)),
+        *trust_sentences(compared),
         f"note: {note}" if note else "",
         *(
             people_table(
                 f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS, map(_push_cells, quantities)
             )
-            for whose, quantities in told_sets(found)
+            for whose, quantities in told_sets(compared)
         ),
-        "" if found.orientations is None else _tests_table(found.orientations),
+        "" if compared.orientations is None else _tests_table(compared.orientations),
     )
 
 
-def _tests_table(found: cycle_agreement.OrientationAgreement) -> Table:
+def _tests_table(agreement: cycle_agreement.OrientationAgreement) -> Table:
     table = people_table(
         "Histogram of directions, measured against predicted", ("test", "statistic", "p-value")
     )
-    for name, test in found.tests.items():
+    for name, test in agreement.tests.items():
         is_angle = name == "wasserstein"
         value = f"{degrees(test.statistic):.2f}°" if is_angle else f"{test.statistic:.3f}"
         p_value = f"{test.value:.3f} ± {test.standard_error:.3f}"
@@ -119,11 +118,11 @@ _TEST = ("statistic", "value")
 _PER_DEGREE = Unit("per_deg", math.radians)
 
 
-def compare_report(material: str, found: Comparison) -> Json:
+def compare_report(material: str, compared: Comparison) -> Json:
     """The report of a comparison; what could not be asked is null or an empty list."""
     ends_off: Json | None = None
-    if found.pushes:
-        (place, turn), (isotropic_place, isotropic_turn) = mean_distances(found.pushes)
+    if compared.pushes:
+        (place, turn), (isotropic_place, isotropic_turn) = mean_distances(compared.pushes)
         ends_off = {
             "mean_mm": written(place, MILLIMETRES),
             "isotropic_mean_mm": written(isotropic_place, MILLIMETRES),
@@ -133,93 +132,101 @@ def compare_report(material: str, found: Comparison) -> Json:
     return {
         "prediction": {
             "material": material,
-            "kind": found.prediction.kind,
-            "noise_deg": degrees(math.sqrt(found.prediction.noise.variance)),
-            "posterior_samples": len(found.prediction.samples),
+            "kind": compared.kind,
+            "noise_deg": degrees(math.sqrt(compared.prediction.noise.variance)),
+            "posterior_samples": len(compared.prediction.samples),
             "refitted": False,  # a loop follows from its settings: nothing was fitted to these data
         },
         "data": {
-            "cycles": 0 if found.data.pairs is None else found.data.pairs.theta.size,
-            "left_out": dict(found.data.left_out),
-            "unreadable_files": found.data.unreadable,
+            "cycles": 0 if compared.data.pairs is None else compared.data.pairs.theta.size,
+            "left_out": dict(compared.data.left_out),
+            "unreadable_files": compared.data.unreadable,
         },
-        "pushes": [*map(_pushes, found.pushes)],
+        "pushes": [*map(_pushes, compared.pushes)],
         "ends_off": ends_off,
-        "cycle": None if found.cycle is None else _cycle(found.cycle),
-        "orientations": None if found.orientations is None else _orientations(found.orientations),
-        "directions": None if found.directions is None else _directions(found.directions),
-        "staircase": None if found.staircase is None else _staircase(found.staircase),
-        "verdicts": written(verdicts(found)),
-        "uncertified": list(found.uncertified),
+        "cycle": None if compared.cycle is None else _cycle(compared.cycle),
+        "orientations": None
+        if compared.orientations is None
+        else _orientations(compared.orientations),
+        "directions": None if compared.directions is None else _directions(compared.directions),
+        "staircase": None if compared.staircase is None else _staircase(compared.staircase),
+        "verdicts": written(verdicts(compared)),
+        "uncertified": list(compared.uncertified),
     }
 
 
-def _pushes(found: PushAgreement) -> Json:
+def _pushes(agreement: PushAgreement) -> Json:
     return {
-        **facts_report(found.facts, "acceleration"),
-        "push_mm": written(found.length, MILLIMETRES),
-        "pushes": found.count,
+        **facts_report(agreement.facts, "acceleration"),
+        "push_mm": written(agreement.length, MILLIMETRES),
+        "pushes": agreement.count,
         **{
             UNITS[of.name].named(of.name): json_of(of, unit=PLAIN_UNITS[of.name])
-            for of in found.quantities
+            for of in agreement.quantities
         },
     }
 
 
-def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
+def _cycle(agreement: cycle_agreement.CycleAgreement) -> Json:
     return {
-        **json_of(found.agreement),
-        "measured_turn_deg": degrees(found.turn.measured_mean),
-        "predicted_turn_deg": degrees(found.turn.predicted_mean),
-        **json_of(found.turn, "bias", "bias_error", "model_error", unit=DEGREES),
-        **json_of(found, "isotropic_rms", "scatter", unit=DEGREES),
-        **json_of(found, "lag_correlation"),
-        "map_test": None if found.p_value is None else json_of(found.p_value, *_TEST),
+        **json_of(agreement.agreement),
+        "measured_turn_deg": degrees(agreement.turn.measured_mean),
+        "predicted_turn_deg": degrees(agreement.turn.predicted_mean),
+        **json_of(agreement.turn, "bias", "bias_error", "model_error", unit=DEGREES),
+        **json_of(agreement, "isotropic_rms", "scatter", unit=DEGREES),
+        **json_of(agreement, "lag_correlation"),
+        "map_test": None if agreement.p_value is None else json_of(agreement.p_value, *_TEST),
     }
 
 
-def _orientations(found: cycle_agreement.OrientationAgreement) -> Json:
+def _orientations(agreement: cycle_agreement.OrientationAgreement) -> Json:
     units = {"wasserstein": DEGREES}
     return {
-        "count": found.count,
+        "count": agreement.count,
         **{
             name: json_of(test, *_TEST, unit=units.get(name, NUMBER))
-            for name, test in found.tests.items()
+            for name, test in agreement.tests.items()
         },
         "histogram": {
-            **json_of(found.measured, "edges", unit=DEGREES),
-            "measured_per_deg": written(found.measured.density, _PER_DEGREE),
-            "predicted_per_deg": written(found.predicted.density, _PER_DEGREE),
+            **json_of(agreement.measured, "edges", unit=DEGREES),
+            "measured_per_deg": written(agreement.measured.density, _PER_DEGREE),
+            "predicted_per_deg": written(agreement.predicted.density, _PER_DEGREE),
         },
     }
 
 
-def _directions(found: cycle_agreement.DirectionAgreement) -> Json:
-    matches = [
-        {
-            **json_of(match, "kind", "centre", "predicted_mode", "measured_mode", "difference"),
-            "p_value": _p_value(match.p_value),
-        }
-        for match in found.matches
-    ]
-    return {"predicted": matches, **json_of(found, "measured_modes")}
+def _directions(agreement: cycle_agreement.DirectionAgreement) -> Json:
+    return {
+        "predicted": [
+            {
+                **json_of(match, "kind", "centre", "predicted_mode", "measured_mode", "difference"),
+                "p_value": _p_value(match.p_value),
+            }
+            for match in agreement.matches
+        ],
+        **json_of(agreement, "measured_modes"),
+    }
 
 
-def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
-    numbers = found.quantities
+def _staircase(agreement: cycle_agreement.StaircaseAgreement) -> Json:
+    numbers = agreement.quantities
     return {
         "turns": _simulated(numbers["turns"]),
         "steps": _simulated(numbers["steps"]),
         "step_height_deg": _simulated(numbers["step_height"], PLAIN_UNITS["dtheta"]),
         "residence_cycles": _simulated(numbers["residence"]),
-        "theory": None if found.theory is None else comparison_report(found.theory, errors=False),
+        "theory": None
+        if agreement.theory is None
+        else comparison_report(agreement.theory, errors=False),
     }
 
 
-def _simulated(found: cycle_agreement.SimulatedQuantity, unit: Unit = NUMBER) -> Json:
-    told = json_of(found, "measured", "predicted", "lower", "upper", unit=unit)
-    return {**told, "p_value": _p_value(found.p_value)}
+def _simulated(quantity: cycle_agreement.SimulatedQuantity, unit: Unit = NUMBER) -> Json:
+    return {
+        **json_of(quantity, "measured", "predicted", "lower", "upper", unit=unit),
+        "p_value": _p_value(quantity.p_value),
+    }
 
 
-def _p_value(found: PValue | None) -> float | None:
-    return None if found is None else found.value
+def _p_value(test: PValue | None) -> float | None:
+    return None if test is None else test.value

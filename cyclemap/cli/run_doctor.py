@@ -74,9 +74,10 @@ def health_report() -> Json:
 
 def _tell(report: Json) -> None:
     """The report for people."""
-    versions, off = written(report["versions"]), report["self_check_error_deg"]
+    versions = written(report["versions"])
+    off = report["self_check_error_deg"]
     table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
-    table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
+    table.add_row("versions", ", ".join(f"{name} {release}" for name, release in versions.items()))
     table.add_row("machine", str(report["machine"]))
     table.add_row("engine", f"{report['engine']}, {report['engine_version'] or 'not to be used'}")
     if off is not None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
-from cyclemap.cli.run_cycle import parse_angles
+from cyclemap.cli.run_cycle import cycle_columns, parse_angles
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
@@ -57,31 +57,34 @@ def run_dynamics(
         }
         for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
     }
-    mu = {"mu": written(isotropic.loop.loop.material.friction.mu_a)}
-    told: Json = {
+    as_json: Json = {
         "speed_mm_s": written(loop.speed, MILLIMETRES),
         **cycles,
-        "isotropic": {**mu, **cycles["isotropic"]},
+        "isotropic": {
+            "mu": written(isotropic.loop.loop.material.friction.mu_a),
+            **cycles["isotropic"],
+        },
     }
-    stem = result_stem(results.out, "dynamics", chosen)
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
     for law, models in cycles.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
-    page = dynamics_page(material, isotropic)
     words = (difference_sentence(material), difference_sentence(isotropic))
-    publish(told, page, stem, results, *words, table)
+    publish(
+        as_json,
+        dynamics_page(material, isotropic),
+        result_stem(results.out, "dynamics", chosen),
+        results,
+        *words,
+        table,
+    )
 
 
 def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
     """The cycles of a model, one from each start angle (degrees)."""
     return rows(
-        theta0_deg=starts_deg,
-        push_turn_deg=degrees(cycles.push_turn),
-        push_dx_mm=written(cycles.push_displacement[:, 0], MILLIMETRES),
-        push_dy_mm=written(cycles.push_displacement[:, 1], MILLIMETRES),
-        drag_turn_deg=degrees(cycles.drag_turn),
+        **cycle_columns(starts_deg, cycles),
         theta1_deg=degrees(cycles.theta_next),
         left=cycles.left,
     )
@@ -107,7 +110,7 @@ def run_experiment(
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, batches, cycles, report)
-    told: Json = {
+    as_json: Json = {
         "model": "quasi-static" if experiment.speed is None else "dynamic",
         "speed_mm_s": written(experiment.speed, MILLIMETRES),
         "cycles": experiment.cycles,
@@ -115,11 +118,10 @@ def run_experiment(
         "anisotropic": _run(experiment.anisotropic),
         "isotropic": _run(experiment.isotropic),
     }
-    stem = result_stem(results.out, "experiment", loop)
     publish(
-        told,
+        as_json,
         page.experiment_page(experiment),
-        stem,
+        result_stem(results.out, "experiment", loop),
         results,
         page.experiment_headline(experiment),
         page.spread_sentence(experiment),
@@ -129,7 +131,8 @@ def run_experiment(
 
 
 def _run(run: BatchRun) -> Json:
-    directions, settled = run.directions(), run.settled_after()
+    directions = run.directions()
+    settled = run.settled_after()
     return {
         "directions_deg": [*map(direction_deg, directions)],
         "all_agree": len(directions) == 1,

@@ -48,7 +48,8 @@ def list_figures(results: ResultOptions) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
     if publish_json({"figures": written(entries())}, results.json_target):
         return
-    console, widest = PeopleConsole(), max(len(entry.name) for entry in entries())
+    console = PeopleConsole()
+    widest = max(len(entry.name) for entry in entries())
     for entry in entries():
         console.print(f"{entry.name:<{widest}}  {entry.title} ({entry.source})")
     console.print("make them with: cyclemap figures NAME ... (or all)")
@@ -68,17 +69,16 @@ def run_figures(
     if not names:
         list_figures(results)
         return
-    chosen, folder, known = (
-        entries(names),
-        MeasuredFolder.found(data),
-        [entry.name for entry in entries()],
-    )
+    chosen = entries(names)
+    folder = MeasuredFolder.found(data)
+    known = [entry.name for entry in entries()]
     with only_writer(results.out):
         index = _read_index(results.out / INDEX_FILE)
-        made, failed = list[Json](), list[Json]()
-        for number, entry in enumerate(chosen, 1):
+        made = list[Json]()
+        failed = list[Json]()
+        for place, entry in enumerate(chosen, 1):
             try:
-                with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
+                with progress_bar(f"{entry.name} ({place} of {len(chosen)})"):
                     line, asked, table = _make(entry, folder, results)
             except CycleMapError as error:
                 failed.append({"name": entry.name, "error": str(error)})
@@ -102,31 +102,35 @@ def run_figures(
                 )
         publish_json({"figures": made, "failed": failed}, results.json_target)
         if failed:
-            told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
-            raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
+            reasons = "; ".join(f"{failure['name']}: {failure['error']}" for failure in failed)
+            raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {reasons}")
 
 
 def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple[Json, bool, Told]:
     """Make and write one exhibit: its line of the index, whether it asked for measured data, and
     its rows where it is a table.
     """
-    exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
+    exhibit = load_exhibit(entry.name)
+    data = WatchedFolder(folder.path)
     result = exhibit.compute(data)
     table: Told = ""
-    if hasattr(exhibit, "draw"):
-        from cyclemap.views.style import render
+    if exhibit.draw is not None:
+        from cyclemap.views.panels.layout import render
 
         suffix = results.picture_format
         content = render(exhibit.draw(result), suffix)
-    elif hasattr(exhibit, "frames"):
+    elif exhibit.frames is not None:
         from cyclemap.figures.locking_in import animated_gif
 
-        suffix, content = "gif", animated_gif(exhibit.frames(result))
+        suffix = "gif"
+        content = animated_gif(exhibit.frames(result))
     else:
-        rows, text = list(exhibit.rows(result)), io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([exhibit.HEADER, *rows])
-        suffix, content = "csv", text.getvalue().encode()
-        table = people_table("", exhibit.HEADER, rows, words=range(len(exhibit.HEADER)))
+        rows = list(exhibit.rows(result))
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([exhibit.header, *rows])
+        suffix = "csv"
+        content = text.getvalue().encode()
+        table = people_table("", exhibit.header, rows, words=range(len(exhibit.header)))
     path = results.out / f"{entry.name}.{suffix}"
     write_whole(path, content)
     line: Json = {

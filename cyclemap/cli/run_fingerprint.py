@@ -6,7 +6,7 @@ import math
 
 from rich.table import Table
 
-from cyclemap.cli.json_report import margin_report, orbit_report, uncertainty_report
+from cyclemap.cli.json_report import orbit_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     Told,
@@ -16,7 +16,6 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
     styled,
-    told_margins,
 )
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import (
@@ -46,36 +45,41 @@ def run_fingerprint(
     JSON.
     """
     loop = chosen_loop(options).loop
-    surface, bow = Anisotropy.of(loop.material.friction), floor_bow(loop)
+    surface = Anisotropy.of(loop.material.friction)
+    bow = floor_bow(loop)
     is_named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
     if check and not predicts:
         raise InvalidInput(_why_unchecked(bow))
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
-        found = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
-        prediction = predict(found, surface) if predicts else None
+        numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
+        prediction = predict(numbers, surface) if predicts else None
         checked = None
         if check and prediction is not None:
             checked = check_prediction(
                 prediction, loop, progress=lambda done: report(0.2 + 0.8 * done)
             )
     known = direction_uncertainty(loop) if predicts else None
-    as_json = fingerprint_report(found, prediction, checked, name, known)
-    lines: list[Told] = [_numbers_table(found), fingerprint_page.protocol_sentence(found)]
+    as_json = fingerprint_report(numbers, prediction, checked, name, known)
+    lines: list[Told] = [_numbers_table(numbers), fingerprint_page.protocol_sentence(numbers)]
     if prediction is not None:
         lines += _prediction_lines(prediction, name)
     if margin:
-        margins = margins_of(loop)
-        as_json["margins"] = [*map(margin_report, margins)]
-        lines += told_margins(margins)
+        as_json["margins"], margins = margins_of(loop)
+        lines += margins
     if bow:
-        lines.append(fingerprint_page.bow_sentence(found, bow))
+        lines.append(fingerprint_page.bow_sentence(numbers, bow))
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
-    page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    publish(as_json, page, result_stem(results.out, "fingerprint", loop, name), results, *lines)
+    publish(
+        as_json,
+        fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
+        result_stem(results.out, "fingerprint", loop, name),
+        results,
+        *lines,
+    )
 
 
 def _why_unchecked(bow: float) -> str:
@@ -89,8 +93,8 @@ def _why_unchecked(bow: float) -> str:
 
 def _numbers_table(found: Fingerprint) -> Table:
     numbers = (
-        (part, *fingerprint_page.seven_numbers(getattr(found, part)))
-        for part in ("push", "drag", "cycle")
+        (stroke, *fingerprint_page.seven_numbers(getattr(found, stroke)))
+        for stroke in ("push", "drag", "cycle")
     )
     return people_table("Fingerprint of the protocol", COLUMNS, numbers, words=(0,))
 

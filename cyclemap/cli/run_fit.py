@@ -3,10 +3,9 @@ picture of each set.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from itertools import chain
+from collections.abc import Sequence
+from itertools import chain, starmap
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -30,10 +29,10 @@ from cyclemap.evidence.laws.measured_cycle_map import (
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.laws.push_sets import MotionStatistics, PushStatistics, push_sets
-from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
+from cyclemap.evidence.laws.push_sets import MotionStatistics, push_sets
+from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram, fit_set
+from cyclemap.evidence.laws.turn_bins import AngleHistogram, covered_arcs
 from cyclemap.evidence.motion_check import check_pushes
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
@@ -70,7 +69,8 @@ def run_fit(
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as
     JSON.
     """
-    read, chosen = readable_data(data, table, results.out), selected_values(select)
+    read = readable_data(data, table, results.out)
+    chosen = selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(read, progress=report)
     if not len(pushes.table) and pushes.unreadable:
@@ -81,7 +81,9 @@ def run_fit(
         )
     for words in check_pushes(pushes, loop_beside(data)):
         click.echo(words, err=True)
-    sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
+    sets = push_sets(pushes, chosen)
+    fits = list[SetFit]()
+    pictures = list[Path]()
     with progress_bar("fitting") as report:
         for pushed_alike in sets:
 
@@ -107,17 +109,28 @@ def _tell(pushes: PushTable, fits: Sequence[SetFit], pictures: Sequence[Path]) -
         unreadable.append(f"{len(pushes.unreadable)} files in all")
     tables = []
     if any(fit.pushes.has_motion for fit in fits):
-        statistics, laws = [fit.statistics for fit in fits], [fit.laws for fit in fits]
+        statistics = []
+        laws = []
+        for fit in fits:
+            row = fit.statistics
+            name = fit.pushes.name
+            count = str(fit.pushes.count)
+            moments = zip((row.dtheta, row.dx, row.dy), UNITS.values(), strict=True)
+            cells = chain.from_iterable(starmap(_statistic_fields, moments))
+            statistics.append((name, count, *cells, row.problem or ""))
+            of_laws = zip(fit.laws, UNITS.values(), strict=True)
+            cells = chain.from_iterable(starmap(_law_fields, of_laws))
+            laws.append((name, count, *cells, fit.law_problem or ""))
         tables = [
-            _table(STATISTICS, statistics, _statistic_fields, "mean", "σ", "%"),
-            _table(LAWS, laws, _law_fields, "RMSE", "%", "cv", "K"),
+            _table(STATISTICS, statistics, "mean", "σ", "%"),
+            _table(LAWS, laws, "RMSE", "%", "cv", "K"),
         ]
-    told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
+    sentences = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
     PeopleConsole().tell(
         f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}",
         *(f"could not be read: {line}" for line in unreadable),
         *tables,
-        *(told or ["nothing could be fitted: no set has enough pushes"]),
+        *(sentences or ["nothing could be fitted: no set has enough pushes"]),
         *(f"picture: {picture}" for picture in pictures),
     )
 
@@ -131,7 +144,7 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
     """
     values: dict[str, str | float] = {}
     for pair in pairs:
-        key, equals, text = (part.strip() for part in pair.partition("="))
+        key, equals, text = (word.strip() for word in pair.partition("="))
         if not (key and equals and text):
             raise InvalidInput(f"--select {pair!r} is not of the form key=value")
         if key not in SELECT_KEYS:
@@ -150,8 +163,10 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
 
 def reasons_of(left_out: Sequence[UnreadableFile]) -> str:
     """Why files were left out, the first of them by name, the others counted."""
-    told = "; ".join(f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED])
-    return told + (f"; and {len(left_out) - MOST_NAMED} more" if len(left_out) > MOST_NAMED else "")
+    named = "; ".join(f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED])
+    return named + (
+        f"; and {len(left_out) - MOST_NAMED} more" if len(left_out) > MOST_NAMED else ""
+    )
 
 
 def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
@@ -166,7 +181,8 @@ def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
 
 def set_report(fit: SetFit) -> Json:
     """The report of one set, as fit_NAME.json holds it."""
-    pushes, statistics = fit.pushes, fit.statistics
+    pushes = fit.pushes
+    statistics = fit.statistics
     return {
         **json_of(pushes, "name", "source"),
         **facts_report(pushes.facts),
@@ -177,7 +193,7 @@ def set_report(fit: SetFit) -> Json:
             "problem": statistics.problem,
             **{name: _statistics(getattr(statistics, name), UNITS[name]) for name in UNITS},
         },
-        "laws": {law.quantity: _law(law) for law in fit.laws.laws},
+        "laws": {law.quantity: _law(law) for law in fit.laws},
         "dtheta_histogram": None if fit.histogram is None else _histogram(fit.histogram),
         "last_cycles": written(fit.rest),
         "cycle_map": {"problem": fit.map_problem}
@@ -189,8 +205,11 @@ def set_report(fit: SetFit) -> Json:
 def _statistics(statistics: MotionStatistics | None, unit: Unit) -> Json | None:
     if statistics is None:
         return None
-    sizes = json_of(statistics, "mean", "std", unit=unit)
-    return {**json_of(statistics, "count"), **sizes, **json_of(statistics, "percent")}
+    return {
+        **json_of(statistics, "count"),
+        **json_of(statistics, "mean", "std", unit=unit),
+        **json_of(statistics, "percent"),
+    }
 
 
 def _histogram(histogram: TurnHistogram) -> Json:
@@ -205,18 +224,19 @@ def _histogram(histogram: TurnHistogram) -> Json:
     }
 
 
-def _law(found: MotionLaw) -> Json:
-    law, unit = found.law, UNITS[found.quantity]
+def _law(motion: MotionLaw) -> Json:
+    law = motion.law
+    unit = UNITS[motion.quantity]
     if law is None:
-        return json_of(found, "problem")
+        return json_of(motion, "problem")
     noise = law.noise(np.linspace(0.0, 2 * np.pi, 361))
     return {
-        **json_of(found, "problem"),
+        **json_of(motion, "problem"),
         **json_of(law, "count", "harmonics"),
         **json_of(law, "rmse", unit=unit),
         **json_of(law, "percent"),
-        **json_of(found, "cross_validated_rmse", unit=unit),
-        **json_of(found, "explained"),
+        **json_of(motion, "cross_validated_rmse", unit=unit),
+        **json_of(motion, "explained"),
         **json_of(law, "sigma", unit=unit),
         f"least_scatter_{unit.ending}": written(np.min(noise), unit),
         f"most_scatter_{unit.ending}": written(np.max(noise), unit),
@@ -226,23 +246,23 @@ def _law(found: MotionLaw) -> Json:
     }
 
 
-def _cycle_map(found: MeasuredCycleMap) -> Json:
-    wear = found.fitted.wear
-    law = found.fitted.law if wear is None else wear.whole
+def _cycle_map(measured: MeasuredCycleMap) -> Json:
+    wear = measured.fitted.wear
+    law = measured.fitted.law if wear is None else wear.whole
     return {
         "problem": None,
-        "pairs": found.pairs.theta.size,
-        "dropped": dict(found.pairs.dropped),
+        "pairs": measured.pairs.theta.size,
+        "dropped": dict(measured.pairs.dropped),
         "harmonics": law.harmonics,
         "wear_degree": None if wear is None else wear.degree,
         **json_of(law, "rmse", unit=DEGREES),
-        "rmse_without_wear_deg": degrees(found.fitted.law.rmse),
+        "rmse_without_wear_deg": degrees(measured.fitted.law.rmse),
         **json_of(law, "sigma", unit=DEGREES),
-        **json_of(found, "quietest", "loudest"),
+        **json_of(measured, "quietest", "loudest"),
         **json_of(law, "lag_correlation"),
-        "early": _state(found.early),
-        "late": _state(found.late),
-        "forecast": None if found.forecast is None else _forecast(found.forecast),
+        "early": _state(measured.early),
+        "late": _state(measured.late),
+        "forecast": None if measured.forecast is None else _forecast(measured.forecast),
     }
 
 
@@ -265,23 +285,22 @@ def _turn_place(place: TurnPlace) -> Json:
     return {**json_of(place, "theta", "turn"), "turn_95_deg": degrees((place.lower, place.upper))}
 
 
-def _forecast(found: WornForecast) -> Json:
-    pace = found.pace
-    full_turns = rows(
-        start_cycle=pace.start,
-        measured_pushes=pace.measured,
-        predicted_pushes=pace.predicted,
-        predicted_95=np.column_stack([pace.lower, pace.upper]),
-    )
+def _forecast(forecast: WornForecast) -> Json:
+    pace = forecast.pace
     return {
-        **json_of(found, "first_cycle", "measured_turns", "left_out_turns"),
-        "predicted_turns": written(np.mean(found.turns)),
-        "predicted_turns_std": written(np.std(found.turns)),
-        "predicted_turns_95": written(np.quantile(found.turns, [0.025, 0.975])),
-        "full_turns": full_turns,
-        "peak_deg": _peak(found.measured_histogram),
-        "predicted_peak_deg": _peak(found.histogram),
-        **json_of(found, "total_variation", "wasserstein"),
+        **json_of(forecast, "first_cycle", "measured_turns", "left_out_turns"),
+        "predicted_turns": written(np.mean(forecast.turns)),
+        "predicted_turns_std": written(np.std(forecast.turns)),
+        "predicted_turns_95": written(np.quantile(forecast.turns, [0.025, 0.975])),
+        "full_turns": rows(
+            start_cycle=pace.start,
+            measured_pushes=pace.measured,
+            predicted_pushes=pace.predicted,
+            predicted_95=np.column_stack([pace.lower, pace.upper]),
+        ),
+        "peak_deg": _peak(forecast.measured_histogram),
+        "predicted_peak_deg": _peak(forecast.histogram),
+        **json_of(forecast, "total_variation", "wasserstein"),
     }
 
 
@@ -291,25 +310,19 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
 
 
-def _table(
-    title: str,
-    parts: Sequence[PushStatistics | SetLaws],
-    fields: Callable[[Any, Unit], list[str]],
-    *columns: str,
-) -> Table:
-    notes, lines = any(part.problem for part in parts), []
-    for part in parts:
-        told = chain.from_iterable(
-            fields(getattr(part, name), unit) for name, unit in UNITS.items()
-        )
-        lines.append((part.name, str(part.count), *told, *([part.problem or ""] if notes else [])))
+def _table(title: str, lines: Sequence[tuple[str, ...]], *columns: str) -> Table:
+    """A row a set, its last cell a note; without notes no column of them."""
+    notes = any(line[-1] for line in lines)
     named = [
         f"{label if column == columns[0] else ''}\n{column}"
         for label in QUANTITIES.values()
         for column in columns
     ]
     table = people_table(
-        title, ("set", "pushes", *named, *["note"] * notes), lines, words=(0, 2 + len(named))
+        title,
+        ("set", "pushes", *named, *["note"] * notes),
+        lines if notes else [line[:-1] for line in lines],
+        words=(0, 2 + len(named)),
     )
     if notes:
         table.columns[-1].max_width = NOTE_LETTERS
@@ -330,13 +343,13 @@ def _percent(value: float) -> str:
     return f"{value:.2f}" if value < MOST_PERCENT else f">{MOST_PERCENT:.0f}"
 
 
-def _law_fields(found: MotionLaw, unit: Unit) -> list[str]:
-    law = found.law
+def _law_fields(motion: MotionLaw, unit: Unit) -> list[str]:
+    law = motion.law
     if law is None:
         return [NOTHING] * 4
     errors = (
         f"{unit.of_si(law.rmse):.2f}",
         _percent(law.percent),
-        f"{unit.of_si(found.cross_validated_rmse):.2f}",
+        f"{unit.of_si(motion.cross_validated_rmse):.2f}",
     )
     return [*errors, str(law.harmonics)]

@@ -39,10 +39,8 @@ from cyclemap.evidence.identified_material import (
     derived_quantities,
     identified_curves,
     identified_material,
-    readable_kind,
-    readable_unit,
 )
-from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.identified_words import implausible, readable_kind, readable_unit
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
@@ -52,7 +50,7 @@ from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.written import Json, Unit, json_of, written
 
 _SIZES = (
@@ -89,24 +87,30 @@ class IdentifyOptions:
     force: bool
     results: ResultOptions
 
+    def __post_init__(self) -> None:
+        if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in self.settings):
+            raise InvalidInput(
+                "noise_deg: the noise is estimated from the data; leave the setting out"
+            )
+        if self.floor is not None and self.start is not None:
+            raise InvalidInput(
+                "--floor tells what is known, and where the search begins: leave --start out"
+            )
+
 
 def run_identify(asked: IdentifyOptions) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people
     or as JSON.
     """
-    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in asked.settings):
-        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    if asked.floor is not None and asked.start is not None:
-        raise InvalidInput(
-            "--floor tells what is known, and where the search begins: leave --start out"
-        )
     begin = asked.start if asked.floor is None else asked.floor
-    surface, fixed = None if begin is None else load_material(begin), fixed_values(asked.fix)
+    surface = None if begin is None else load_material(begin)
+    fixed = fixed_values(asked.fix)
     known = None if asked.floor is None else surface
     target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
     shapes = tuple(shape for plate in asked.plate for shape in load_plates(plate))
     options = LoopOptions("isotropic", asked.protocol, asked.settings)
-    selected, chosen = selected_values(asked.select), chosen_loop(options, asked.data[0])
+    selected = selected_values(asked.select)
+    chosen = chosen_loop(options, asked.data[0])
     loop = chosen.loop
     read = readable_tables(asked.data, asked.table, asked.results.out)
     space = starting_space(loop, surface)
@@ -124,22 +128,23 @@ def run_identify(asked: IdentifyOptions) -> None:
             target=target,
         )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    found = _identified(asked, collected, fixed, known, space)
-    doubtful = _is_doubtful(found, collected, asked.force)
+    identified = _identified(asked, collected, fixed, known, space)
+    doubtful = _is_doubtful(identified, collected, asked.force)
     since = f" from cycle {asked.first} on" if asked.first else ""
     sources = [f"{path.name}{since}" for path in read]
     default = collected.surface or selected.get("surface", "surface")
     name = asked.name or f"{default}-identified"
-    plate_name, last = collected.loop.slider.name, collected.last_cycle
-    material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, doubtful, asked)
+    plate_name = collected.loop.slider.name
+    last = collected.last_cycle
+    material = identified_material(identified, name, sources, last, plate_name, floor=known)
+    _conclude(collected, identified, material, doubtful, asked)
 
 
-def _is_doubtful(found: Identification, collected: CollectedBlocks, force: bool) -> bool:
+def _is_doubtful(identified: Identification, collected: CollectedBlocks, force: bool) -> bool:
     """Whether the answer cannot be right, which is said; CycleMapError, unless `force`, where it
     is.
     """
-    doubts = implausible(found, collected.loop.slider.outline.extent)
+    doubts = implausible(identified, collected.loop.slider.outline.extent)
     if doubts and not force:
         why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
         mend = "look at object, push, units and --angles; with --force it is written all the same"
@@ -157,7 +162,8 @@ def _identified(
     space: ParameterSpace,
 ) -> Identification:
     """Identify what was asked for, or else what the data tell, and is not fixed."""
-    blocks, plate = collected.blocks, collected.loop.slider.name
+    blocks = collected.blocks
+    plate = collected.loop.slider.name
     named = tuple(name.strip() for name in (asked.free or "").split(",") if name.strip())
     believed = None if known is None else known_beliefs(known, FLOOR_TOLD)
     named = named or tuple(
@@ -168,7 +174,7 @@ def _identified(
     groups = sum(len(set(block.groups.tolist())) for block in blocks)
     usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:
-        found = identify(
+        identified = identify(
             blocks,
             named,
             held | {key: at for key, at in fixed.items() if key not in named},
@@ -181,50 +187,56 @@ def _identified(
             space=space,
             progress=report,
         )
-    if not found.fit.converged:
+    if not identified.fit.converged:
         raise ConvergenceError(
-            f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters"
+            f"no start converged: {identified.fit.message}; take more --starts, or free fewer "
+            "parameters"
         )
-    return found
+    return identified
 
 
 def _conclude(
     data: CollectedBlocks,
-    found: Identification,
+    identified: Identification,
     material: Material,
     doubtful: bool,
     asked: IdentifyOptions,
 ) -> None:
-    results, seed = asked.results, asked.seed
-    derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
-    told = identify_report(material, data.notes, found, derived)
-    answer = headline(material.name, derived, found.friction())
+    results = asked.results
+    seed = asked.seed
+    derived = derived_quantities(identified, seed=seed)
+    stem = file_stem(material.name)
+    as_json = identify_report(material, data.notes, identified, derived)
+    answer = headline(material.name, derived, identified.friction())
     # The material file names object, push and ring that it was found with where these are not MIT's
     # own.
     loop = data.loop.with_material(material)
     is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
     page = identify_page(
-        answer, found, identified_curves(found, data.scans, seed), page_sentences(found)
+        answer,
+        identified,
+        identified_curves(identified, data.scans, seed),
+        page_sentences(identified),
     )
     toml = results.out / f"{stem}.toml"
     picture = results.out / f"identify_{stem}.{results.picture_format}"
     # All of the content is made before the first file is written.
     files = {
         toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
-        results.out / f"identify_{stem}.json": json_text(told).encode(),
+        results.out / f"identify_{stem}.json": json_text(as_json).encode(),
         picture: render(page, results.picture_format),
     }
     for path, content in files.items():
         write_whole(path, content)
-    if publish_json(told, results.json_target):
+    if publish_json(as_json, results.json_target):
         return
     PeopleConsole().tell(
         answer,
         *(f"data: {note}" for note in data.notes),
-        parameter_table(found),
+        parameter_table(identified),
         derived_table(derived) if derived else "",
-        error_table(found),
-        *note_sentences(found),
+        error_table(identified),
+        *note_sentences(identified),
         f"picture: {picture}",
         f"material: {toml}",
         "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}",
@@ -239,7 +251,7 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     """
     values = {}
     for pair in pairs:
-        name, _, text = (part.strip() for part in pair.partition("="))
+        name, _, text = (word.strip() for word in pair.partition("="))
         try:
             values[name] = plain_number(text)
         except ValueError as cause:
@@ -248,19 +260,19 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
 
 
 def identify_report(
-    material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]
+    material: Material, data: Sequence[str], identified: Identification, derived: Sequence[Derived]
 ) -> Json:
     """The report of an identification."""
-    wear, starts = material.wear, found.starts
-    spread = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
+    wear = material.wear
+    starts = identified.starts
     return {
         **json_of(material, "name", "provenance", "misfit", "inferred", "friction"),
         "worn": None if wear is None else {"cycles": wear.cycles, **json_of(wear.friction)},
-        "converged": found.fit.converged,
-        "level": found.level,
+        "converged": identified.fit.converged,
+        "level": identified.level,
         "parameters": [
             {**_in_its_unit(estimate), "at_bound": estimate.at_bound or None}
-            for estimate in found.estimates
+            for estimate in identified.estimates
         ],
         "plates": {plate.plate: written(plate.numbers) for plate in material.plates},
         "floor_shape": written(shape_numbers(material.floor, FLOOR_SHAPE_KEYS)),
@@ -268,13 +280,13 @@ def identify_report(
             session.name: written(shape_numbers(session.shape, FLOOR_SHAPE_KEYS))
             for session in material.sessions
         },
-        "session_spread": written(spread),
-        "priors": written(found.priors),
-        "held": written(dict(sorted(found.problem.fixed.items()))),
+        "session_spread": written(dict(zip(SPREAD_KEYS, material.session_spread, strict=True))),
+        "priors": written(identified.priors),
+        "held": written(dict(sorted(identified.problem.fixed.items()))),
         "derived": [*map(_in_its_unit, derived)],
-        "errors": [*map(_error, found.errors)],
+        "errors": [*map(_error, identified.errors)],
         "starts": {**json_of(starts, "count", "arrived"), "failed": len(starts.failures)},
-        "notes": list(found.notes),
+        "notes": list(identified.notes),
         "data": list(data),
     }
 
@@ -286,26 +298,28 @@ def _in_its_unit(result: Estimate | Derived) -> Json:
 
 def _error(error: KindErrors) -> Json:
     kind, unit = readable_kind(error.kind)
-    told = json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si))
-    return {"block": error.block, "kind": kind, "unit": unit.ending or "1", **told}
+    return {
+        "block": error.block,
+        "kind": kind,
+        "unit": unit.ending or "1",
+        **json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si)),
+    }
 
 
-def parameter_table(found: Identification) -> Table:
+def parameter_table(identified: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
     rows: list[tuple[str, ...]] = []
-    for estimate in found.lasting:
-        unit = readable_unit(estimate.unit)
-        lower = _digits(unit.of_si(estimate.lower)) + "*" * estimate.lower_open
-        upper = _digits(unit.of_si(estimate.upper)) + "*" * estimate.upper_open
-        interval = f"{lower} to {upper}" if estimate.identifiable else "not identifiable"
-        value = f"{_digits(unit.of_si(estimate.value))}{unit.sign}"
-        rows.append((estimate.name, value, interval, estimate.description))
-    rows += [
-        (name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())
-    ]
-    columns = ("name", "value", f"{100.0 * found.level:g} % interval", "what it is")
+    for estimate in identified.lasting:
+        value, lower, upper = _readable(estimate)
+        interval = f"{lower}{'*' * estimate.lower_open} to {upper}{'*' * estimate.upper_open}"
+        known = interval if estimate.identifiable else "not identifiable"
+        rows.append((estimate.name, value, known, estimate.description))
+    for name, held in sorted(identified.problem.fixed.items()):
+        rows.append((name, _digits(held), "held", ""))
+    columns = ("name", "value", f"{100.0 * identified.level:g} % interval", "what it is")
     table = people_table("Parameters", columns, rows, words=(0, 3))
-    if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
+    estimates = [estimate for estimate in identified.estimates if estimate.identifiable]
+    if any(estimate.lower_open or estimate.upper_open for estimate in estimates):
         table.caption = "* a bound of the parameter, not excluded by the data"
     return table
 
@@ -314,9 +328,7 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     """What follows from the parameters."""
     rows = []
     for quantity in derived:
-        unit = readable_unit(quantity.unit)
-        value = f"{_digits(unit.of_si(quantity.value))}{unit.sign}"
-        lower, upper = (_digits(unit.of_si(end)) for end in (quantity.lower, quantity.upper))
+        value, lower, upper = _readable(quantity)
         interval = f"{lower} to {upper}" if quantity.known else "any"
         rows.append((quantity.name.replace("_", " "), value, interval, quantity.description))
     return people_table(
@@ -324,7 +336,15 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     )
 
 
-def error_table(found: Identification) -> Table:
+def _readable(result: Estimate | Derived) -> tuple[str, str, str]:
+    """A value with its unit, and the ends of its interval."""
+    unit = readable_unit(result.unit)
+    numbers = (result.value, result.lower, result.upper)
+    value, lower, upper = (_digits(unit.of_si(number)) for number in numbers)
+    return f"{value}{unit.sign}", lower, upper
+
+
+def error_table(identified: Identification) -> Table:
     """How far predictions lie from the data: in the sample, left out, and those of isotropic
     friction.
     """
@@ -340,14 +360,14 @@ def error_table(found: Identification) -> Table:
         "median",
     )
     rows = []
-    for error in found.errors:
+    for error in identified.errors:
         kind, unit = readable_kind(error.kind)
         sizes = [getattr(error, name) for name in _SIZES if not name.endswith("rms")]
-        told = [
+        cells = [
             f"{_digits(unit.of_si(size))}{unit.sign}" if math.isfinite(size) else NOTHING
             for size in sizes
         ]
-        rows.append((error.block, kind, str(error.rows), *told))
+        rows.append((error.block, kind, str(error.rows), *cells))
     table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
     table.caption = (
         "isotropic: the same friction all around, floor and plate flat, nothing identified"

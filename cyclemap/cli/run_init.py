@@ -23,7 +23,7 @@ from cyclemap.protocol.setting_table import SETTINGS, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings
 from cyclemap.text_files import write_whole
 from cyclemap.views.object_page import object_page
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.written import Json
 
 COMMENTS = (
@@ -134,13 +134,15 @@ def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
     if others:
         raise InvalidInput(f"{option} and {others[0]} both say the outline: give one")
     if asked.outline:
-        found = read_outline(asked.outline, asked.unit, 1e-3 * asked.tolerance_mm, asked.underside)
-        return found.outline, list(found.words)
+        drawing = read_outline(
+            asked.outline, asked.unit, 1e-3 * asked.tolerance_mm, asked.underside
+        )
+        return drawing.outline, list(drawing.words)
     if asked.shape:
         return Slider.mit(asked.shape).outline, []
     widths = asked.rectangle_mm or asked.ellipse_mm or ""
     try:
-        lengths = [plain_number(part) for part in widths.split(",")]
+        lengths = [plain_number(word) for word in widths.split(",")]
     except ValueError:
         lengths = []
     if len(lengths) != 2 or not 0.0 < min(lengths) <= max(lengths) < float("inf"):
@@ -160,10 +162,10 @@ def tell_check(file: Path, picture: Path, json_target: str | None, said: list[st
     """Check a file, draw it, and tell what was said before and what was found; InvalidInput where
     nothing would run.
     """
-    found = check_collection(file)
-    wrong = [finding.words for finding in found.findings if finding.wrong]
-    doubts = [finding.words for finding in found.findings if not finding.wrong]
-    write_whole(picture, render(object_page(found)))
+    checked = check_collection(file)
+    wrong = [finding.words for finding in checked.findings if finding.wrong]
+    doubts = [finding.words for finding in checked.findings if not finding.wrong]
+    write_whole(picture, render(object_page(checked)))
     report: Json = {
         "file": str(file),
         "said": said,

@@ -24,6 +24,7 @@ from cyclemap.cli.options import (
 )
 from cyclemap.cli.output import (
     PeopleConsole,
+    Told,
     file_stem,
     people_table,
     progress_bar,
@@ -32,22 +33,22 @@ from cyclemap.cli.output import (
     styled,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import recognise
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.data_blocks.collected_blocks import files_of_data, recognise
+from cyclemap.evidence.identified_words import implausible
 from cyclemap.evidence.measured_plan import (
     MeasuredPlan,
     measured_plan,
     robot_schedule,
     table_to_fill,
 )
-from cyclemap.evidence.plausibility import implausible
 from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
-from cyclemap.views.plan_page import known_parts, measured_sentences, plan_page, plan_sentences
+from cyclemap.views.object_page import known_parts, measured_sentences, plan_page, plan_sentences
 from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"
@@ -73,30 +74,27 @@ class PlanOptions:
     seed: int
     results: ResultOptions
 
+    def __post_init__(self) -> None:
+        if self.object_file.suffix != ".toml":
+            raise InvalidInput(
+                f"{self.object_file}: give the file of your object; cyclemap init makes one, MIT's "
+                "with --shape"
+            )
+
 
 def run_plan(asked: PlanOptions) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what
     will be known.
     """
-    if asked.object_file.suffix != ".toml":
-        raise InvalidInput(
-            f"{asked.object_file}: give the file of your object; cyclemap init makes one, MIT's "
-            "with --shape"
-        )
     step = _orientation_step(asked.grid)
-    room = pair_in_metres("--room-mm", asked.room_mm)
-    if not 0.0 < min(room) <= max(room) <= 100.0:
-        raise InvalidInput(
-            f"--room-mm {asked.room_mm!r}: give the width and depth of the table in mm, such as "
-            "600,400"
-        )
+    room = _room(asked.room_mm)
     loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings)).loop
     stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
-    within, measured = math.radians(asked.until_deg), None
+    within = math.radians(asked.until_deg)
+    measured = None
     if asked.after:
-        measured = _measured(asked, loop)
+        measured = _measured(asked, loop, stem)
         loop = measured.loop
-        write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())
         if measured.is_enough(within):
             _tell_enough(measured, within, stem, asked.results)
             return
@@ -111,42 +109,65 @@ def run_plan(asked: PlanOptions) -> None:
             progress=report,
             read=(1e-3 * asked.error_mm, math.radians(asked.error_deg)),
         )
-    content = table_to_fill(plan, asked.by or ("pose" if step is None else "corners"), asked.excel)
-    table = _unused(stem, ".xlsx" if asked.excel else ".csv", content)
-    stem = table.with_suffix("")
-    robot = stem.with_name(f"{stem.name}_robot.csv")
-    write_whole(table, content)
-    write_whole(robot, robot_schedule(plan))
-    told = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
-    known = [] if measured is None else measured_sentences(measured, within)
+    as_json = plan_report(plan)
+    sentences: list[Told] = []
+    if measured is not None:
+        as_json |= measured_report(measured, within)
+        sentences += measured_sentences(measured, within)
+    headline, *others = plan_sentences(plan)
+    sentences += [styled(headline, "bold"), *others, push_table(plan), knowledge_table(plan)]
+    table, robot = _write_tables(plan, stem, asked)
     following = shlex.join([*said_command("json_target"), "--after", str(table)])
-    headline, *sentences = plan_sentences(plan)
     publish(
-        told,
+        as_json,
         plan_page(plan),
-        stem,
+        table.with_suffix(""),
         asked.results,
-        *known,
-        styled(headline, "bold"),
         *sentences,
-        push_table(plan),
-        knowledge_table(plan),
         after=(f"for a robot: {robot}", f"to fill in: {table}", f"next: {following}"),
     )
 
 
-def _measured(asked: PlanOptions, loop: CollectionLoop) -> MeasuredPlan:
-    """What the tables that were filled in tell; doubts about it go to stderr."""
+def _room(text: str) -> tuple[float, float]:
+    """The width and depth (m) of the table."""
+    room = pair_in_metres("--room-mm", text)
+    if not 0.0 < min(room) <= max(room) <= 100.0:
+        raise InvalidInput(
+            f"--room-mm {text!r}: give the width and depth of the table in mm, such as 600,400"
+        )
+    return room
+
+
+def _write_tables(plan: PushPlan, stem: Path, asked: PlanOptions) -> tuple[Path, Path]:
+    """Write the table to fill in and that of the robot, and return where they are."""
+    by = asked.by or ("pose" if asked.grid == FREE else "corners")
+    content = table_to_fill(plan, by, asked.excel)
+    table = _unused(stem, ".xlsx" if asked.excel else ".csv", content)
+    robot = table.with_name(f"{table.stem}_robot.csv")
+    write_whole(table, content)
+    write_whole(robot, robot_schedule(plan))
+    return table, robot
+
+
+def _measured(asked: PlanOptions, loop: CollectionLoop, stem: Path) -> MeasuredPlan:
+    """What the tables that were filled in tell, written as a floor; doubts about it go to stderr."""
     readable = readable_tables(asked.after, TableOptions(), asked.results.out)
     for path in readable:
-        sorts, unused = recognise(path)
-        if not sorts:
+        files, problems = files_of_data(path), list[str]()
+        for file in files:
+            try:
+                recognise(file)
+            except DataFileError as error:
+                problems.append(str(error))
+        if len(problems) == len(files):
             mend = "--after takes the table that cyclemap plan wrote, filled in"
-            raise InvalidInput(f"{path}: {unused[0].reason}; {mend}")
+            raise InvalidInput(f"{problems[0]}; {mend}")
     with progress_bar("identifying") as report:
         measured = measured_plan(loop, readable, seed=asked.seed, progress=report)
     for words in implausible(measured.identification, loop.slider.outline.extent):
         click.echo(f"warning: this cannot be right: {words}", err=True)
+    text = collection_text(measured.loop)
+    write_whole(stem.with_name(f"{stem.name}_measured.toml"), text.encode())
     return measured
 
 
@@ -177,10 +198,11 @@ def _unused(stem: Path, suffix: str, content: bytes) -> Path:
     """Where a table goes that is not there yet, so that one that was filled in is never written
     over.
     """
-    path, number = stem.with_name(f"{stem.name}{suffix}"), 1
+    path = stem.with_name(f"{stem.name}{suffix}")
+    count = 1
     while path.exists() and path.read_bytes() != content:
-        number += 1
-        path = stem.with_name(f"{stem.name}_{number}{suffix}")
+        count += 1
+        path = stem.with_name(f"{stem.name}_{count}{suffix}")
     return path
 
 
@@ -243,8 +265,9 @@ def push_table(plan: PushPlan) -> Table:
     """The pushes, a row each."""
     columns = ("push", "side", "at", "slant (°)", "push (mm)", "set to x (mm)", "y (mm)", "θ (°)")
     rows = []
-    for number, planned in enumerate(plan.pushes, 1):
-        push, start = planned.push, planned.start
+    for row, planned in enumerate(plan.pushes, 1):
+        push = planned.push
+        start = planned.start
         cells = [
             f"{push.fraction:.2f}",
             f"{math.degrees(push.angle):.0f}",
@@ -255,7 +278,7 @@ def push_table(plan: PushPlan) -> Table:
             f"{1e3 * start.y:.0f}",
             f"{math.degrees(start.theta):.0f}",
         ]
-        rows.append((str(number), str(push.side), *cells))
+        rows.append((str(row), str(push.side), *cells))
     return people_table("Pushes, what tells most first", columns, rows)
 
 

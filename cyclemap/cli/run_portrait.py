@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import margin_report, portrait_report, staircase_report
+from cyclemap.cli.json_report import portrait_report, staircase_report
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
@@ -17,14 +17,12 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
     styled,
-    told_margins,
 )
 from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.chosen_loop import chosen_collection
-from cyclemap.views import sentences
-from cyclemap.views.portrait_page import portrait_page
+from cyclemap.views import portrait_page, sentences
 
 if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
@@ -32,7 +30,8 @@ if TYPE_CHECKING:
 
 def run_portrait(asked: RunOptions, margin: bool) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    pairs = asked.pairs()
+    chosen = chosen_collection(asked.options, asked.data).simplified()
     loop = chosen.loop
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait
@@ -46,42 +45,45 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
         return
     run = asked.run_beside(None if pairs is None else pairs.path)
     with progress_bar(f"cycle map of {loop.material.name}") as done:
-        found = portrait(loop, sigma=chosen.sigma, progress=done, **run)
-    measured = None if pairs is None else _overlay(pairs, found)
-    page = portrait_page(found, portrait_curves(found), measured)
-    stem = result_stem(asked.results.out, "portrait", loop)
-    report, margins = portrait_report(found, measured), list[Told]()
+        drawn = portrait(loop, sigma=chosen.sigma, progress=done, **run)
+    measured = None if pairs is None else _overlay(pairs, drawn)
+    report = portrait_report(drawn, measured)
+    margins = list[Told]()
     if margin:
-        changes = margins_of(loop)
-        report["margins"] = [*map(margin_report, changes)]
-        margins = told_margins(changes)
-    publish(report, page, stem, asked.results, *_lines(found, measured, margins))
+        report["margins"], margins = margins_of(loop)
+    publish(
+        report,
+        portrait_page.portrait_page(drawn, portrait_curves(drawn), measured),
+        result_stem(asked.results.out, "portrait", loop),
+        asked.results,
+        *_lines(drawn, measured, margins),
+    )
 
 
 def _lines(
-    found: Portrait, measured: MeasuredOverlay | None, margins: Sequence[Told]
+    drawn: Portrait, measured: MeasuredOverlay | None, margins: Sequence[Told]
 ) -> list[Told]:
     """What people are told of a portrait, in order."""
-    material = found.loop.material
+    material = drawn.loop.material
     rows = [
         (f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
-        for orbit in found.fixed_points
+        for orbit in drawn.fixed_points
     ]
     columns = ("θ0 (°)", "multiplier", "")
     return [
-        sentences.headline(found),
-        sentences.lock_sentence(found),
-        sentences.noise_sentence(found),
-        sentences.staircase_sentence(found),
-        sentences.uncertainty_sentence(material.name, found.uncertainty),
-        sentences.ahead_sentence(found.forecast),
+        sentences.headline(drawn),
+        sentences.lock_sentence(drawn),
+        sentences.noise_sentence(drawn),
+        sentences.staircase_sentence(drawn),
+        sentences.uncertainty_sentence(material.name, drawn.uncertainty),
+        sentences.ahead_sentence(drawn.forecast),
         "" if measured is None else sentences.agreement_sentence(measured.agreement),
         people_table("Fixed points of the cycle map", columns, rows) if rows else "",
         *margins,
         sentences.material_line(material),
-        styled(sentences.push_line(found), "dim"),
-        styled(sentences.parameters_line(found), "dim"),
-        styled(sentences.accuracy_line(found), "dim"),
+        styled(sentences.push_line(drawn), "dim"),
+        styled(sentences.parameters_line(drawn), "dim"),
+        styled(sentences.accuracy_line(drawn), "dim"),
     ]
 
 
@@ -90,14 +92,14 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
     its own cycle.
     """
     from cyclemap.evidence import measured_overlay
+    from cyclemap.evidence.comparison.collection_null import CollectionModel
     from cyclemap.evidence.comparison.cycle_agreement import cycle_agreement
-    from cyclemap.evidence.comparison.prediction import Prediction
 
     overlay = measured_overlay(pairs, drawn.map.turn)
     if drawn.drifting is None or pairs.cycle is None:
         return overlay
-    prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
-    return replace(overlay, agreement=cycle_agreement(prediction, pairs).agreement)
+    model = CollectionModel(drawn.drifting, drawn.noise)
+    return replace(overlay, agreement=cycle_agreement(model, drawn.loop, pairs).agreement)
 
 
 def run_staircase(asked: RunOptions) -> None:
@@ -105,9 +107,9 @@ def run_staircase(asked: RunOptions) -> None:
     or as JSON.
     """
     from cyclemap.evidence import measured_staircase
-    from cyclemap.views import staircase_page
 
-    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    pairs = asked.pairs()
+    chosen = chosen_collection(asked.options, asked.data).simplified()
     loop = chosen.loop
     measured = None if pairs is None else measured_staircase(pairs, asked.seed)
     if chosen.strategy is not None:
@@ -118,18 +120,16 @@ def run_staircase(asked: RunOptions) -> None:
     run = asked.run_beside(None if measured is None else measured.path)
     with progress_bar(f"staircase of {loop.material.name}") as report:
         forecast = staircase_forecast(loop, sigma=chosen.sigma, progress=report, **run)
-    stem = result_stem(asked.results.out, "staircase", loop)
-    page = staircase_page.staircase_page(forecast, measured)
     publish(
         staircase_report(forecast, measured),
-        page,
-        stem,
+        portrait_page.staircase_page(forecast, measured),
+        result_stem(asked.results.out, "staircase", loop),
         asked.results,
-        staircase_page.forecast_sentence(forecast),
-        staircase_page.worn_sentence(forecast),
-        staircase_page.run_sentence(forecast),
+        portrait_page.forecast_sentence(forecast),
+        portrait_page.worn_sentence(forecast),
+        portrait_page.run_sentence(forecast),
         sentences.uncertainty_sentence(loop.material.name, forecast.uncertainty),
         sentences.ahead_sentence(forecast.forecast),
-        "" if measured is None else staircase_page.measured_sentence(measured),
-        "" if measured is None else staircase_page.fitted_sentence(measured),
+        "" if measured is None else portrait_page.measured_sentence(measured),
+        "" if measured is None else portrait_page.fitted_sentence(measured),
     )

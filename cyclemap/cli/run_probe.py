@@ -29,7 +29,7 @@ from cyclemap.evidence.push_probe import (
 from cyclemap.evidence.pushes.measured_strokes import told
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.probe_page import probe_page, probe_sentences
+from cyclemap.views.push_pages import probe_page, probe_sentences
 from cyclemap.written import Json, degrees, json_of
 
 
@@ -48,19 +48,20 @@ class ProbeOptions:
 
 def run_probe(asked: ProbeOptions) -> None:
     """Probe what is asked for, draw it, and print it for people or as JSON."""
-    found, results = _probed(asked), asked.results
+    probed = _probed(asked)
+    results = asked.results
     report = {
-        "pushes": len(found.theta),
-        **json_of(found, "found", "p_value"),
-        "harmonics": [*map(_harmonic, found.harmonics)],
-        **json_of(found, "ratio"),
-        "axis_deg": degrees(found.anisotropy.ellipse_direction),
-        **json_of(found, "offset"),
-        "offset_deg": degrees(found.anisotropy.offset_direction),
-        **json_of(found, "explained"),
-        "locks_at_deg": degrees(found.stable) if found.found else [],
+        "pushes": len(probed.theta),
+        **json_of(probed, "found", "p_value"),
+        "harmonics": [*map(_harmonic, probed.harmonics)],
+        **json_of(probed, "ratio"),
+        "axis_deg": degrees(probed.anisotropy.ellipse_direction),
+        **json_of(probed, "offset"),
+        "offset_deg": degrees(probed.anisotropy.offset_direction),
+        **json_of(probed, "explained"),
+        "locks_at_deg": degrees(probed.stable) if probed.found else [],
     }
-    publish(report, probe_page(found), results.out / "probe", results, *probe_sentences(found))
+    publish(report, probe_page(probed), results.out / "probe", results, *probe_sentences(probed))
 
 
 def _harmonic(harmonic: Harmonic) -> Json:

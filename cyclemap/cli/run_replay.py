@@ -26,7 +26,7 @@ from cyclemap.evidence.comparison.replay_table import (
 )
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.replay_page import replay_headline, replay_page
+from cyclemap.views.push_pages import replay_headline, replay_page
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, degrees, rows, written
 
 if TYPE_CHECKING:
@@ -61,9 +61,10 @@ def run_replay(
     friction may be named.
     """
     chosen = chosen_loop(options, data)
-    loop, material = chosen.loop, chosen.loop.material
-    found = material.found_with.pusher_friction
-    if pusher_friction is not None or ("pusher_mu" not in chosen.settings and found is None):
+    loop = chosen.loop
+    material = chosen.loop.material
+    identified = material.found_with.pusher_friction
+    if pusher_friction is not None or ("pusher_mu" not in chosen.settings and identified is None):
         friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
         loop = replace(loop, pusher=replace(loop.pusher, friction=friction))
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
@@ -78,16 +79,14 @@ def run_replay(
     notes = [
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
-    stem, page = result_stem(results.out, "replay", loop), replay_page(replayed, material.name)
-    as_json = replay_report(replayed, material.name, loop.pusher.friction, notes)
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors_table.add_row(*_cells(row))
     left_out = replayed.not_replayed
     publish(
-        as_json,
-        page,
-        stem,
+        replay_report(replayed, material.name, loop.pusher.friction, notes),
+        replay_page(replayed, material.name),
+        result_stem(results.out, "replay", loop),
         results,
         replay_headline(replayed),
         errors_table,

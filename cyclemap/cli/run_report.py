@@ -1,27 +1,27 @@
 """`cyclemap report`: everything about one loop in one HTML file, to mail and to open without a
-network.
+network; `cyclemap explore`: its page with sliders alone, which computes in the browser.
 """
 
 import shlex
+import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
-from cyclemap.cli.options import TableOptions, readable_data, said_command
+from cyclemap.cli.options import (
+    TableOptions,
+    measured_orientations,
+    readable_data,
+    said_command,
+)
 from cyclemap.cli.output import progress_bar, result_stem, write_page
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
-from cyclemap.evidence.comparison.collection_data import collection_data
-from cyclemap.evidence.comparison.compare import compare
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
 from cyclemap.progress import Progress
 from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_loop
-from cyclemap.protocol.protocol_file import protocol_text
-from cyclemap.resets import design_reset
-from cyclemap.views import compare_page, sentences
+from cyclemap.views import sentences
 from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
-from cyclemap.views.reset_page import design_sentences
-from cyclemap.views.style import render
-from cyclemap.views.verdicts import verdicts
+from cyclemap.views.panels.layout import render
 
 METHODS = (
     "The cycle map takes the object's orientation before a push to that before the next. Pushes "
@@ -45,6 +45,8 @@ def run_report(
     options: LoopOptions, data: Path | None, table: TableOptions, reset: bool, out: Path
 ) -> None:
     """Compute all of it and write the page."""
+    from cyclemap.evidence.comparison.collection_data import collection_data
+
     chosen = chosen_loop(options, data)
     data = None if data is None else readable_data(data, table, out)
     pairs = None if data is None else collection_data(data, chosen.loop).pairs
@@ -53,7 +55,7 @@ def run_report(
     sections: list[Section] = []
     downloads: tuple[Download, ...] = ()
     with progress_bar(f"report on {chosen.loop.material.name}") as progress:
-        found = portrait(
+        drawn = portrait(
             chosen.loop,
             sigma=chosen.sigma,
             cycles=cycles,
@@ -61,66 +63,74 @@ def run_report(
             progress=lambda share: progress(0.6 * share),
         )
         if data is not None:
-            sections += _beside_data(found, data, chosen, lambda x: progress(0.6 + 0.3 * x))
+            sections += _beside_data(drawn, data, chosen, lambda x: progress(0.6 + 0.3 * x))
         if reset:
-            advice, downloads = _what_to_do(found, chosen, lambda x: progress(0.9 + 0.1 * x))
+            advice, downloads = _what_to_do(drawn, chosen, lambda x: progress(0.9 + 0.1 * x))
             sections.append(advice)
-    sections.append(_how_sure(found))
+    sections.append(_how_sure(drawn))
     sections = [
         replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
     ]
     inputs = [path for path in (data, options.protocol) if path is not None and path.is_file()]
     command = shlex.join(said_command("out", files_by_name=True))
     page = page_html(
-        found,
+        drawn,
         start,
         (options.material or "isotropic",),
         chosen.settings,
         pairs=pairs,
         sections=[*sections, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))],
         downloads=downloads,
-        provenance=provenance_of(found, command, inputs),
+        provenance=provenance_of(drawn, command, inputs),
     )
     write_page(page, result_stem(out, "report", chosen.loop))
 
 
 def _what_to_do(
-    found: Portrait, chosen: ChosenCollection, progress: Progress
+    drawn: Portrait, chosen: ChosenCollection, progress: Progress
 ) -> tuple[Section, tuple[Download, ...]]:
     """The reset that `cyclemap reset` finds, in its three lines, and its protocol to take away."""
-    design = design_reset(found.loop, sigma=chosen.noise, progress=progress)
-    protocol = protocol_text(found.loop, design.chosen.strategy, noise=chosen.noise)
+    from cyclemap.protocol.protocol_file import protocol_text
+    from cyclemap.resets import design_reset
+    from cyclemap.views.reset_page import design_sentences
+
+    design = design_reset(drawn.loop, sigma=chosen.noise, progress=progress)
+    protocol = protocol_text(drawn.loop, design.chosen.strategy, noise=chosen.noise)
     advice = Section("What to do", design_sentences(design))
     return advice, (Download("protocol.toml", protocol),)
 
 
-def _how_sure(found: Portrait) -> Section:
-    material = found.loop.material
+def _how_sure(drawn: Portrait) -> Section:
+    material = drawn.loop.material
     lines = (
-        sentences.push_line(found),
-        sentences.parameters_line(found),
-        sentences.accuracy_line(found),
-        sentences.uncertainty_sentence(material.name, found.uncertainty),
+        sentences.push_line(drawn),
+        sentences.parameters_line(drawn),
+        sentences.accuracy_line(drawn),
+        sentences.uncertainty_sentence(material.name, drawn.uncertainty),
         sentences.material_line(material),
     )
     return Section("How sure", tuple(filter(None, lines)))
 
 
 def _beside_data(
-    found: Portrait, data: Path, chosen: ChosenCollection, progress: Progress
+    drawn: Portrait, data: Path, chosen: ChosenCollection, progress: Progress
 ) -> list[Section]:
     """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what
     is left over.
     """
+    from cyclemap.evidence.comparison.compare import compare
+    from cyclemap.views import compare_page
+    from cyclemap.views.verdicts import verdicts
+
     noise = None if chosen.sigma is None else WrappedNormal(chosen.sigma)
-    compared = compare(found.loop, data, noise=noise, progress=progress)
-    name = found.loop.material.name
-    told = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
+    compared = compare(drawn.loop, data, noise=noise, progress=progress)
+    name = drawn.loop.material.name
+    opening = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
     answers = (verdict.words for verdict in verdicts(compared))
     trust = compare_page.trust_sentences(compared)
     page = compare_page.residual_page(compared)
     return [
-        Section("Recorded against predicted", (*told, *answers, *trust)),
+        Section("Recorded against predicted", (*opening, *answers, *trust)),
         Section(
             "What explains it, and what is left",
             tuple(compare_page.explanation_sentences(name, compared)),
@@ -129,3 +139,18 @@ def _beside_data(
             "of 5 degrees",
         ),
     ]
+
+
+def run_explore(
+    options: LoopOptions, data: Path | None, table: TableOptions, browser: bool, out: Path
+) -> None:
+    """Write the explorer's page, and open it."""
+    options = replace(options, material=options.material or "plywood")
+    chosen = chosen_loop(options, data)
+    pairs = measured_orientations(data, table, out)
+    with progress_bar(f"page on {chosen.loop.material.name}") as progress:
+        drawn = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
+    page = page_html(drawn, 0.0, (str(options.material),), chosen.settings, pairs=pairs)
+    place = write_page(page, result_stem(out, "explore", chosen.loop))
+    if browser:
+        webbrowser.open(place.resolve().as_uri())

@@ -57,7 +57,8 @@ def run_reset(
             seed=seed,
             progress=report,
         )
-    stem, strategy = result_stem(results.out, "reset", asked.loop), design.chosen.strategy
+    stem = result_stem(results.out, "reset", asked.loop)
+    strategy = design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(
         protocol, design.loop, strategy, noise=asked.noise, predicted=_predicted(design.chosen)

@@ -41,11 +41,13 @@ class SimulateOptions:
 def run_simulate(asked: SimulateOptions) -> None:
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
     chosen = chosen_collection(asked.options).simplified()
-    loop, strategy = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy
+    loop = replace(chosen.loop, accuracy=ACCURACY)
+    strategy = chosen.strategy
     cycle_by_cycle = dict[str, Any]()
     if strategy is not None:
         # What it changes from cycle to cycle is the same that its schedule of this seed says.
-        loop, actions = strategy.prepared(loop), strategy.run(asked.cycles, asked.seed)
+        loop = strategy.prepared(loop)
+        actions = strategy.run(asked.cycles, asked.seed)
         cycle_by_cycle["cycle_loops"] = tuple(action.on(loop) for action in actions)
         cycle_by_cycle["gripper_turns"] = tuple(action.turn for action in actions)
     own = loop.material.noise if asked.noise_deg is None and chosen.sigma is None else None
@@ -65,12 +67,12 @@ def run_simulate(asked: SimulateOptions) -> None:
             progress=report,
             **cycle_by_cycle,
         )
-    told = {
+    as_json = {
         **json_of(made, "folder", "cycles", "written", "resumed"),
         "theta0_deg_last": math.degrees(made.theta_last),
         "bytes": made.bytes,
     }
-    if not publish_json(told, asked.json_target):
+    if not publish_json(as_json, asked.json_target):
         PeopleConsole().tell(*_sentences(made))
 
 

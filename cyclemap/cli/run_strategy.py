@@ -18,6 +18,7 @@ from cyclemap.written import Json, degrees, direction_deg, json_of, rows, writte
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
+_NO_STEPS = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
 
 
 def run_strategy_portrait(
@@ -27,11 +28,14 @@ def run_strategy_portrait(
     asked: RunOptions,
 ) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
-    loop, sigma = chosen.loop, chosen.noise
+    loop = chosen.loop
+    sigma = chosen.noise
     with progress_bar(f"cycle maps of {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
-    turns, measured = map_turns(maps), None if pairs is None else pairs.path
-    law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
+    turns = map_turns(maps)
+    measured = None if pairs is None else pairs.path
+    law = orientation_law(turns, strategy, sigma)
+    factor = slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, measured, asked)
     mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
     as_json: Json = {
@@ -48,12 +52,7 @@ def run_strategy_portrait(
             **dict.fromkeys(("lower", "upper", "locked")),
         },
         "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
-        "staircase": {
-            "mean_turn_deg": degrees(mean_turn),
-            "mean_residence_cycles": None,
-            "step_deg": None,
-            "run": ran,
-        },
+        "staircase": {**_NO_STEPS, "mean_turn_deg": degrees(mean_turn), "run": ran},
     }
     if pairs is not None:
         as_json["data"] = {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}
@@ -64,9 +63,13 @@ def run_strategy_portrait(
         f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
         f"In a run of {len(theta) - 1} cycles θ0 moves {angle(mean_turn, 2)} a cycle on average.",
     )
-    figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    stem = result_stem(asked.results.out, "portrait", loop)
-    publish(as_json, figure, stem, asked.results, *words)
+    publish(
+        as_json,
+        strategy_page(words, loop, strategy, theta, measured, turns, law),
+        result_stem(asked.results.out, "portrait", loop),
+        asked.results,
+        *words,
+    )
 
 
 def _law_report(law: OrientationLaw, factor: float) -> Json:
@@ -90,14 +93,14 @@ def run_strategy_staircase(
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people
     or as JSON.
     """
-    loop, sigma = chosen.loop, chosen.noise
+    loop = chosen.loop
+    sigma = chosen.noise
     data = None if measured is None else measured.path
     theta, ran = _run(loop, strategy, sigma, data, asked)
     steps = find_steps(theta)
-    nothing = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
-    told: Json = {
+    as_json: Json = {
         "noise_deg": degrees(sigma),
-        "prediction": {**nothing, "zones": [], "reason": _CHANGING},
+        "prediction": {**_NO_STEPS, "zones": [], "reason": _CHANGING},
         "run": {**ran, "followed": "mechanics", **steps_report(steps)},
         **({} if measured is None else {"data": measured_report(measured)}),
     }
@@ -109,8 +112,13 @@ def run_strategy_staircase(
         f"{rests}; θ0 moves {angle((theta[-1] - theta[0]) / (len(theta) - 1), 2)} a cycle on "
         "average.",
     )
-    page = strategy_page(words, loop, strategy, theta, data)
-    publish(told, page, result_stem(asked.results.out, "staircase", loop), asked.results, *words)
+    publish(
+        as_json,
+        strategy_page(words, loop, strategy, theta, data),
+        result_stem(asked.results.out, "staircase", loop),
+        asked.results,
+        *words,
+    )
 
 
 def _run(

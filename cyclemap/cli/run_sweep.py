@@ -19,12 +19,11 @@ from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.sweep_curves import sweep_curves
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
 from cyclemap.written import Json, json_of, rows
 
@@ -73,9 +72,9 @@ def run_sweep(asked: SweepOptions) -> None:
     store = stem.with_name(f"{stem.name}.sqlite")
     if asked.status:
         now = sweeps.sweep_status(store, plan)
-        told = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
+        done = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
         if not publish_json(_status_report(now, store), asked.results.json_target):
-            stored = f"{now.stored} of {now.points} points stored ({told}), {now.refused} refused"
+            stored = f"{now.stored} of {now.points} points stored ({done}), {now.refused} refused"
             PeopleConsole().print(f"{store}: {stored}")
         return
     begun = time.monotonic()
@@ -99,7 +98,9 @@ def run_sweep(asked: SweepOptions) -> None:
 
 
 def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
-    files, keys, results = [store], len(sweep.keys), asked.results
+    files = [store]
+    keys = len(sweep.keys)
+    results = asked.results
     for name in _words(asked.export):
         ending, write = _EXPORTS[name]
         files.append(store.with_suffix(ending))
@@ -109,7 +110,7 @@ def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
         files.append(store.with_suffix(f".{results.picture_format}"))
-        page = sweep_page(sweep, sweep_curves(sweep, _words(asked.draw)))
+        page = sweep_page(sweep, _words(asked.draw))
         write_whole(files[-1], render(page, results.picture_format))
     if publish_json(sweep_report(sweep, store), results.json_target):
         return
@@ -140,7 +141,7 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
     as --set does."""
     ranges = tuple(map(parse_over, asked.over))
     swept = {over.key for over in ranges}
-    material, told, strategy = told_settings(asked.options)
+    material, given, strategy = told_settings(asked.options)
     if strategy is not None:
         raise InvalidInput(
             f"{asked.options.protocol or material}: a sweep is about one push and one drag back: "
@@ -148,7 +149,9 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
         )
     # What is swept takes the place of what a file says, as --set does.
     settings = {
-        key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept
+        key: value
+        for key, value in layered(given, dict.fromkeys(swept)).items()
+        if key not in swept
     }
     settings |= set_settings(asked.options.settings)
     warn_of_defaults({**dict.fromkeys(swept), **settings})
@@ -179,17 +182,16 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     """The whole sweep, one entry a point."""
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
     plan = sweep.description["plan"]
-    columns: dict[str, object] = {key: sweep.swept[key] for key in sweep.keys}
+    columns: dict[str, object] = {key: sweep.table[key] for key in sweep.keys}
     for quantity in sweep.quantities:
-        values = (sweep.lists if quantity.many else sweep.columns)[quantity.name]
-        columns[quantity.written_name] = map(quantity.written, values)
-    refusals = [refusal or None for refusal in sweep.refusals]
+        columns[quantity.written_name] = map(quantity.written, sweep.table[quantity.name])
+    refusals = [refusal or None for refusal in sweep.table["refusal"]]
     return {
         **_status_report(status, store),
         "over": plan["points"],
         "settings": plan["settings"],
         "quantities": plan["quantities"],
-        "units": {one.written_name: one.written_unit for one in sweep.quantities},
+        "units": {column.written_name: column.written_unit for column in sweep.quantities},
         "results": rows(**columns, refusal=refusals),
     }
 

@@ -30,7 +30,7 @@ from cyclemap.collection.logged_turns import turns_after_log
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.conventions import convention_of
+from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.maps import rest_multiplier
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, loop_beside
 from cyclemap.resets import (
@@ -50,7 +50,8 @@ from cyclemap.written import Json, degrees, direction_deg, json_of, written
 
 # Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below
 # what is recorded.
-_TOLD_SHARES, _TOLERANCE = 10, 1e-3
+_TOLD_SHARES = 10
+_TOLERANCE = 1e-3
 # Pushes of a forecast from where the log stands: some hours of the robot's work.
 _PUSHES_AHEAD = 300
 
@@ -82,24 +83,28 @@ def run_watch(
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
-    monitor, reports = BiasMonitor(alarm_rate), list[BiasReport]()
+    monitor = BiasMonitor(alarm_rate)
+    reports = list[BiasReport]()
     if not follow:
-        found, look_ahead = feed.look(finished=True), _ahead_of(file, protocol, material)
-        tell_what_was_read(found.words, found.guessed)
-        _conclude(file, monitor, watch(found.theta, monitor), look_ahead, results)
+        news = feed.look(finished=True)
+        look_ahead = _ahead_of(file, protocol, material)
+        tell_what_was_read(news.words, news.guessed)
+        _conclude(file, monitor, watch(news.theta, monitor), look_ahead, results)
         return
-    look_ahead, as_json = _ahead_of(file, protocol, material), results.json_target == "-"
+    look_ahead = _ahead_of(file, protocol, material)
+    as_json = results.json_target == "-"
     if not as_json:
         click.echo(f"watching {file} until interrupted (Ctrl-C)", err=True)
     try:
         while True:
-            found = feed.look()
+            news = feed.look()
             if not reports:
-                tell_what_was_read(found.words, found.guessed)
-            if found.began_anew:
+                tell_what_was_read(news.words, news.guessed)
+            if news.began_anew:
                 click.echo(f"{file} began anew, and so does the watch", err=True)
-                monitor, reports = BiasMonitor(alarm_rate), []
-            for left, theta in zip(reversed(range(len(found.theta))), found.theta, strict=True):
+                monitor = BiasMonitor(alarm_rate)
+                reports = []
+            for left, theta in zip(reversed(range(len(news.theta))), news.theta, strict=True):
                 before = monitor.report
                 reports.append(monitor.update(theta))
                 # From orientations that were left long ago nothing is ahead.
@@ -117,7 +122,8 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
     if protocol is None and material is None:
         return lambda monitor: NOTHING_AHEAD
     chosen = chosen_collection(LoopOptions(material, protocol, ()), file).simplified()
-    loop, strategy = chosen.loop, chosen.strategy
+    loop = chosen.loop
+    strategy = chosen.strategy
     if strategy is None:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
@@ -129,11 +135,16 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
         maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
 
     def choose(monitor: BiasMonitor) -> Ahead:
-        found = next_action(maps, monitor.coverage, monitor.path[-1])
-        action = strategy.actions[found.number]
-        named = {"number": found.number, "name": action_words(action)}
-        report: Json = {"next_action": {**named, **json_of(found, "lands", "crowding")}}
-        return Ahead(report, page.next_action_sentence(action, found))
+        chosen_action = next_action(maps, monitor.coverage, monitor.path[-1])
+        action = strategy.actions[chosen_action.number]
+        report: Json = {
+            "next_action": {
+                "number": chosen_action.number,
+                "name": action_words(action),
+                **json_of(chosen_action, "lands", "crowding"),
+            }
+        }
+        return Ahead(report, page.next_action_sentence(action, chosen_action))
 
     return choose
 
@@ -161,10 +172,10 @@ def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
     def forecast(monitor: BiasMonitor) -> Ahead:
         logged = turns_after_log(turns, monitor.path, noise.sigma, _PUSHES_AHEAD)
         start = float(monitor.path[-1])
-        found = forecast_from_turns(
+        ahead = forecast_from_turns(
             logged.turns, logged.sigma, _PUSHES_AHEAD, start, change=logged.change
         )
-        return Ahead({"forecast": json_of(found)}, ahead_sentence(found, start))
+        return Ahead({"forecast": json_of(ahead)}, ahead_sentence(ahead, start))
 
     return forecast
 
@@ -173,9 +184,13 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle;
     and what is ahead."""
     if as_json:
-        place = {"push": after.push, "theta0_deg": direction_deg(theta)}
-        told = {**place, **_report(after), **ahead.report}
-        click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
+        line_of_json = {
+            "push": after.push,
+            "theta0_deg": direction_deg(theta),
+            **_report(after),
+            **ahead.report,
+        }
+        click.echo(json.dumps(line_of_json, allow_nan=False, ensure_ascii=False))
         return
     news: list[str] = []
     if after.alarm is not None and before.alarm is None:
@@ -197,8 +212,10 @@ def _conclude(
     quiet: bool = False,
 ) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    last, ahead, rest = reports[-1], look_ahead(monitor), rest_multiplier(monitor.path)
-    told = {
+    last = reports[-1]
+    ahead = look_ahead(monitor)
+    rest = rest_multiplier(monitor.path)
+    as_json = {
         "file": file.name,
         "pushes": len(reports),
         "alarm_rate": monitor.alarm_rate,
@@ -208,8 +225,8 @@ def _conclude(
     }
     figure = page.watch_page(monitor, reports, file.name)
     stem = results.out / f"watch_{file_stem(file.stem)}"
-    picture = write_result(told, figure, stem, results.picture_format)
-    if quiet or publish_json(told, results.json_target):
+    picture = write_result(as_json, figure, stem, results.picture_format)
+    if quiet or publish_json(as_json, results.json_target):
         return
     PeopleConsole().tell(
         *page.watch_sentences(last),
@@ -232,18 +249,19 @@ def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
     """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
     read = readable_data(data, table, results.out)
     with progress_bar(f"auditing {data.name}") as progress:
-        found = audit(read, loop=loop_beside(data), progress=progress)
-    alarm, reset = found.report.alarm, found.reset
-    told = {
+        audited = audit(read, loop=loop_beside(data), progress=progress)
+    alarm = audited.report.alarm
+    reset = audited.reset
+    as_json = {
         "data": str(data),
-        "headline": audit_headline(found),
-        "paragraph": audit_paragraph(found),
-        "pushes": len(found.theta),
-        **json_of(found, "others", "ordered", "covered"),
-        "covered_share": found.report.coverage.covered,
-        "locked_from": found.locked_from,
+        "headline": audit_headline(audited),
+        "paragraph": audit_paragraph(audited),
+        "pushes": len(audited.theta),
+        **json_of(audited, "others", "ordered", "covered"),
+        "covered_share": audited.report.coverage.covered,
+        "locked_from": audited.locked_from,
         "locked_towards_deg": [] if alarm is None else [*map(direction_deg, alarm.directions)],
-        "worth": found.worth,
+        "worth": audited.worth,
         "reset": None
         if reset is None
         else {
@@ -251,13 +269,13 @@ def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
             "reset_turn_deg": degrees(reset.reset_turn.mean()),
             **json_of(reset, "undone", "slope"),
         },
-        "good": found.is_good,
+        "good": audited.is_good,
     }
     publish(
-        told,
-        audit_page(found),
+        as_json,
+        audit_page(audited),
         results.out / f"audit_{file_stem(data.stem)}",
         results,
-        audit_headline(found),
-        audit_paragraph(found),
+        audit_headline(audited),
+        audit_paragraph(audited),
     )

@@ -69,6 +69,10 @@ if TYPE_CHECKING:
         CycleTrajectory as CycleTrajectory,
         run_cycles as run_cycles,
     )
+    from cyclemap.collection.loop_surfaces import (
+        drifting_map as drifting_map,
+        worn_loop as worn_loop,
+    )
     from cyclemap.collection.portrait import (
         Portrait as Portrait,
         StaircaseForecast as StaircaseForecast,
@@ -79,10 +83,6 @@ if TYPE_CHECKING:
         DirectionInterval as DirectionInterval,
         DirectionUncertainty as DirectionUncertainty,
         direction_uncertainty as direction_uncertainty,
-    )
-    from cyclemap.collection.wearing_loop import (
-        drifting_map as drifting_map,
-        worn_loop as worn_loop,
     )
 else:
     import_on_first_use(__name__)

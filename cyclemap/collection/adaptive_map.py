@@ -33,19 +33,22 @@ _FILLED = 0.1
 # What a polynomial through four of five nodes misses at the fifth counts as this much of the error
 # of that through all: the middle one, and those beside it. Of 4,000 stretches of the built-in
 # materials' maps 40 were further off than that.
-_MIDDLE, _BESIDE = 1.0, 0.3
+_MIDDLE = 1.0
+_BESIDE = 0.3
 # A sample belongs to one side of a break if it lies this near to that side's tangent, as a share of
 # the gap.
 _SIDE_SHARE = 0.2
 # Intervals that are tried at one more place at the end, the least certain first; where in them, as
 # a share, by the number of their inner nodes: where polynomials through these are off by nearly the
 # most.
-_CHECKED, _OFF_NODES = 12, {0: 0.3, 1: 0.3, 3: 0.1}
+_CHECKED = 12
+_OFF_NODES = {0: 0.3, 1: 0.3, 3: 0.1}
 # Times that intervals are tried so, while some fail.
 _ROUNDS = 3
 # Cubics are compared at these shares of their width; they are put this much closer than what is
 # seen there asks for.
-_COMPARED, _CLOSER = (0.25, 0.5, 0.75), 1.15
+_COMPARED = (0.25, 0.5, 0.75)
+_CLOSER = 1.15
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,8 @@ class HermitePolynomial:
         for low, high in pairwise(self.nodes):
             # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of
             # its width h.
-            width, off = high.theta - low.theta, 0.0
+            width = high.theta - low.theta
+            off = 0.0
             for s in _COMPARED:
                 tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)
                 cubic = low.value + s**2 * (3.0 - 2.0 * s) * (high.value - low.value) + tangents
@@ -221,10 +225,11 @@ def sample_circle_map(
 def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
     """Halve intervals until all of their parts are good enough, splitting them at breaks."""
     while waiting:
-        for interval in (one for one in waiting if one.width <= 2.0 * _NARROWEST):
+        for interval in (narrow for narrow in waiting if narrow.width <= 2.0 * _NARROWEST):
             # Most that the cubic can be off where the map stays between the values of the ends:
             # slopes lift it by 4/27 of the width each at most above the straight line.
-            low, high = interval.low, interval.high
+            low = interval.low
+            high = interval.high
             most = abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (
                 abs(low.slope) + abs(high.slope)
             )
@@ -250,16 +255,18 @@ def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
 
 def _finished(sampler: _Sampler, interval: _Interval, middle: Node) -> bool:
     """Whether an interval whose middle has been sampled is good enough, and kept."""
-    low, high, around = interval.low, interval.high, interval.around
+    low = interval.low
+    high = interval.high
+    around = interval.around
     error = interval.error_at(middle, interval.polynomial)
     if error <= sampler.tolerance:
         sampler.finish(_Interval(low, middle, error), _Interval(middle, high, error))
         return True
     # The quintic that did not know the middle yet is worse than the interval's own.
-    told = math.inf if around is None else interval.error_at(middle, around)
-    if not told <= (1.0 - _FILLED) * sampler.tolerance:
+    missed = math.inf if around is None else interval.error_at(middle, around)
+    if not missed <= (1.0 - _FILLED) * sampler.tolerance:
         return False
-    sampler.finish(_Interval(low, high, told + _FILLED * sampler.tolerance, (middle,)))
+    sampler.finish(_Interval(low, high, missed + _FILLED * sampler.tolerance, (middle,)))
     return True
 
 
@@ -271,8 +278,8 @@ def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
     nodes = (first.low, before, first.high, after, second.high)
     # By how much the polynomial through the four others misses each inner node.
     missed = []
-    for number, left in list(enumerate(nodes))[1:-1]:
-        others = HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]])
+    for index, left in list(enumerate(nodes))[1:-1]:
+        others = HermitePolynomial.through([*nodes[:index], *nodes[index + 1 :]])
         missed.append(abs(others.at(left.theta)[0] - left.value))
     error = (
         max(_MIDDLE * missed[1], _BESIDE * max(missed[0], missed[2])) + _FILLED * sampler.tolerance
@@ -287,7 +294,8 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
     """Bisect to a kink or a jump; return the parts on either side, or None if the map is only steep
     or curved.
     """
-    low, high = interval.low, interval.high
+    low = interval.low
+    high = interval.high
     while high.theta - low.theta > _NARROWEST:
         gap = abs(
             high.value - low.value - 0.5 * (low.slope + high.slope) * (high.theta - low.theta)
@@ -308,10 +316,8 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
             )
             off = [abs(middle.value - value) for value in tangents]
         else:
-            gap, off = (
-                abs(high.slope - low.slope),
-                [abs(middle.slope - side.slope) for side in (low, high)],
-            )
+            gap = abs(high.slope - low.slope)
+            off = [abs(middle.slope - side.slope) for side in (low, high)]
         if min(off) > _SIDE_SHARE * gap:
             return None
         low, high = (middle, high) if off[0] < off[1] else (low, middle)
@@ -319,7 +325,8 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
     left, right = (side.value + side.slope * (place - side.theta) for side in (low, high))
     if abs(right - left) <= sampler.tolerance:
         left = right = 0.5 * (left + right)
-    before, after = Node(place, left, low.slope), Node(place, right, high.slope)
+    before = Node(place, left, low.slope)
+    after = Node(place, right, high.slope)
     return _Interval(after, interval.high, math.inf), _Interval(interval.low, before, math.inf)
 
 
@@ -332,13 +339,14 @@ def _check(sampler: _Sampler) -> None:
     """
     by_error = sorted(sampler.finished, key=lambda interval: interval.error, reverse=True)
     spread = sampler.finished[:: max(1, len(sampler.finished) // _CHECKED)]
-    waiting, checked = [*by_error[:_CHECKED], *spread], set[tuple[float, float]]()
+    waiting = [*by_error[:_CHECKED], *spread]
+    checked = set[tuple[float, float]]()
     for _ in range(_ROUNDS):
         chosen = {(interval.low.theta, interval.high.theta): interval for interval in waiting}
         wide = [
-            one
-            for ends, one in chosen.items()
-            if one.width > 2.0 * _NARROWEST and ends not in checked
+            candidate
+            for ends, candidate in chosen.items()
+            if candidate.width > 2.0 * _NARROWEST and ends not in checked
         ]
         checked |= set(chosen)
         places = [
@@ -346,15 +354,15 @@ def _check(sampler: _Sampler) -> None:
             for interval in wide
         ]
         missed = False
-        for interval, found in zip(wide, sampler.nodes(places), strict=True):
+        for interval, node in zip(wide, sampler.nodes(places), strict=True):
             filled = _FILLED * sampler.tolerance if interval.inner else 0.0
-            error = abs(interval.polynomial.at(found.theta)[0] - found.value) + filled
+            error = abs(interval.polynomial.at(node.theta)[0] - node.value) + filled
             sampler.finished = [other for other in sampler.finished if other is not interval]
             if error <= sampler.tolerance:
                 sampler.finish(replace(interval, error=max(error, interval.error)))
             else:
                 missed = True
-                ends = (interval.low, found, interval.high)
+                ends = (interval.low, node, interval.high)
                 _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(ends)])
         if not missed:
             return

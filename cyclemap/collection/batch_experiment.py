@@ -9,16 +9,18 @@ from functools import cached_property
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
-from cyclemap.checks import finite_array, positive_number, whole_number
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop, require_loop
+from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
 from cyclemap.progress import Progress
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
-BATCHES, CYCLES = 6, 100
+BATCHES = 6
+CYCLES = 100
 # A batch has settled once it stays this near its last orientation, rad.
 WITHIN = math.radians(1.0)
 # A batch that turns by less than this a cycle, rad, is at rest: the errors of a dynamic cycle are
@@ -69,24 +71,21 @@ class BatchRun:
         the steps do not shrink or only one was made.
         """
         steps = np.abs(np.diff(self.theta[:, -3:]))
-        now, shrunk_by = steps[:, -1], steps[:, 0] - steps[:, -1]
+        now = steps[:, -1]
+        shrunk_by = steps[:, 0] - steps[:, -1]
         shrinking = shrunk_by > 0.0
         left = np.where(shrinking, now**2 / np.where(shrinking, shrunk_by, 1.0), np.inf)
         return np.where(now <= REST, 0.0, left)
 
-    def directions(self, within: float = WITHIN) -> tuple[float, ...]:
+    def directions(self) -> tuple[float, ...]:
         """Return where the batches end.
-
-        Parameters
-        ----------
-        within : float, optional
-            Ends within so much of each other are one direction, rad.
 
         Returns
         -------
         tuple of float
-            Rad in [0, 2 pi). Empty where a batch still moves, by more than a tenth of `within`
-            a cycle or with more than a quarter of it `left`: then it ends nowhere.
+            Rad in [0, 2 pi), ascending; ends that gaps of a degree part are different. Empty where
+            a batch still moves, by more than a tenth of a degree a cycle or with more than a
+            quarter of one `left`: then it ends nowhere.
 
         Notes
         -----
@@ -94,22 +93,10 @@ class BatchRun:
         narrowest its steps cease to shrink, and before, more is left unless its least step is near
         `REST`.
         """
-        near = positive_number("within", within)
-        if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
+        if self.last_step.max() > 0.1 * WITHIN or self.left.max() > 0.25 * WITHIN:
             return ()
-        groups: list[list[float]] = []
-        for end in np.sort(np.mod(self.theta[:, -1], 2.0 * np.pi)).tolist():
-            own = next(
-                (group for group in groups if abs(shorter_way(end - group[0])) <= near), None
-            )
-            if own is None:
-                groups.append(own := [])
-            own.append(end)
-        return tuple(
-            sorted(
-                float(np.angle(np.exp(1j * np.array(one)).mean()) % (2.0 * np.pi)) for one in groups
-            )
-        )
+        ends = np.mod(self.theta[:, -1], TWO_PI)
+        return tuple(sorted(clusters(ends, WITHIN).tolist()))
 
     def settled_after(self) -> Array:
         """Return the number of cycles (batches,) after which each batch stays within WITHIN (rad)
@@ -125,8 +112,10 @@ class BatchRun:
         """`path` in the object's frame before each push, (batches, cycles, samples + 1, 2), m."""
         offset = self.path - self.path[:, :, :1]
         theta = self.theta[:, :-1, None]
-        c, s = np.cos(theta), np.sin(theta)
-        x, y = offset[..., 0], offset[..., 1]
+        c = np.cos(theta)
+        s = np.sin(theta)
+        x = offset[..., 0]
+        y = offset[..., 1]
         return np.stack([c * x + s * y, c * y - s * x], axis=-1)
 
     @property
@@ -218,8 +207,9 @@ def batch_experiment(
     >>> np.degrees(np.diff(experiment.isotropic.theta)).round(2).tolist()
     [[8.0, 8.0], [8.0, 8.0], [8.0, 8.0]]
     """
-    count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
-    starts = 2.0 * np.pi * np.arange(count) / count
+    count = whole_number("batches", batches, least=1)
+    report = progress or (lambda fraction: None)
+    starts = TWO_PI * np.arange(count) / count
     protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
     even = isotropic_twin(protocol)
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
@@ -235,24 +225,28 @@ def run_batches(
     progress: Progress | None = None,
 ) -> BatchRun:
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
-    now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)
+    now = finite_array("starts", starts, ndim=1)
+    length = whole_number("cycles", cycles, least=1)
     if not isinstance(loop, DynamicLoop):
         require_loop(loop)
     if not now.size:
         raise InvalidInput("starts must hold at least one orientation")
-    theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
+    theta = np.empty((now.size, length + 1))
+    paths = np.empty((now.size, length, SAMPLES + 1, 2))
     for batch, start in enumerate(now.tolist()):
         theta[batch, 0] = start
         for cycle in range(length):
             if isinstance(loop, DynamicLoop):
                 ran = loop.cycle(theta[batch, cycle], SAMPLES)
-                theta[batch, cycle + 1], slider = ran.theta_next, loop.loop.slider
+                theta[batch, cycle + 1] = ran.theta_next
+                slider = loop.loop.slider
                 # The last sample, at rest, takes the place of that where the rod stops.
                 pose = ran.push.trajectory.pose[np.r_[0:SAMPLES, SAMPLES + 1]]
                 paths[batch, cycle] = placed(pose.T, np.array(slider.centre_of_mass))
             else:
                 push, drag = loop.strokes(theta[batch, cycle], loop.push.distance / _STEPS)
-                theta[batch, cycle + 1], course = drag.end.theta, push.trajectory
+                theta[batch, cycle + 1] = drag.end.theta
+                course = push.trajectory
                 centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
                 travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
                 paths[batch, cycle] = np.stack(

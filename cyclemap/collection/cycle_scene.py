@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.mechanics import Slider, Trajectory
 
 OUTLINE_POINTS = 400
@@ -46,7 +45,7 @@ class StrokeScene:
     centre: Array
     rod: Array
     rod_radius: float
-    sliding: NDArray[np.bool_]
+    sliding: Mask
     force_point: Array
     force: Array
     reach: Array
@@ -56,8 +55,10 @@ class StrokeScene:
         """Return the scene of a stroke that ran its course."""
         outline = slider.outline_points(OUTLINE_POINTS)
         hitch = np.array(slider.hitch, dtype=float)
-        first, last = course.pose[0], course.pose[-1]
-        before, after = placed(first, outline), placed(last, outline)
+        first = course.pose[0]
+        last = course.pose[-1]
+        before = placed(first, outline)
+        after = placed(last, outline)
         travelled = course.path / max(course.path[-1], np.finfo(float).tiny)
         shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
         tips = course.contact_point[shown]
@@ -102,6 +103,8 @@ class CycleScene:
 
 def placed(pose: Array, points: Array) -> Array:
     """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    x, y = points[..., 0], points[..., 1]
+    cosine = np.cos(pose[2])
+    sine = np.sin(pose[2])
+    x = points[..., 0]
+    y = points[..., 1]
     return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)

@@ -137,8 +137,9 @@ class DynamicLoop:
     def cycles(self, theta: ArrayLike) -> Cycles:
         """Run one push and reset from each of many orientations (...), rad."""
         values = finite_array("theta", theta)
-        runs, columns = [self.cycle(each, samples=1) for each in values.ravel().tolist()], {}
-        for name in (one.name for one in fields(Cycles)[1:-1]):
+        runs = [self.cycle(each, samples=1) for each in values.ravel().tolist()]
+        columns = {}
+        for name in (field.name for field in fields(Cycles)[1:-1]):
             shape = (*values.shape, 2) if name == "push_displacement" else values.shape
             columns[name] = np.array([getattr(run, name) for run in runs], dtype=float).reshape(
                 shape

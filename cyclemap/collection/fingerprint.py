@@ -4,10 +4,8 @@ answers it.
 
 import cmath
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,14 +24,18 @@ MOST_ELLIPTICITY = 5.0
 
 
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
-_BOW, _LEAST_BOW = ("floor_bow_x", "floor_bow_y"), 1e-12
+_BOW = ("floor_bow_x", "floor_bow_y")
+_LEAST_BOW = 1e-12
 # Step of the differences that give second derivatives, in offset and ellipticity, and the accuracy
 # (rad) of the cycles: their gradients are then good to about 1e-8.
-STEP, _ACCURACY = 0.002, 1e-10
+STEP = 0.002
+_ACCURACY = 1e-10
 # The mean radius of the ellipses that are run: no turn depends on it.
 _MEAN = 0.25
 # Usual surfaces: their offset and ellipticity, and how many of them are run.
-_OFFSET, _ELLIPTICITY, _SURFACES = 0.12, 0.06, 16
+_OFFSET = 0.12
+_ELLIPTICITY = 0.06
+_SURFACES = 16
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,8 @@ class Anisotropy:
                 f"ellipticity {self.ellipticity:g} is more than any surface has: it is "
                 f"log(mu_a/mu_b)/2, about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
             )
-        angle, stretch = self.offset_direction - self.ellipse_direction, math.exp(self.ellipticity)
+        angle = self.offset_direction - self.ellipse_direction
+        stretch = math.exp(self.ellipticity)
         most = 1.0 / math.hypot(math.cos(angle) / stretch, math.sin(angle) * stretch)
         if self.offset >= most:
             raise InvalidInput(
@@ -149,11 +152,16 @@ class Anisotropy:
         finite.
         """
         angle = finite_array("theta", theta)
-        first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - angle)
-        u, v = self.offset, self.ellipticity
+        first = self.offset_direction - angle
+        second = 2.0 * (self.ellipse_direction - angle)
+        u = self.offset
+        v = self.ellipticity
         return np.stack(
             [u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1
         )
+
+
+_ISOTROPIC = Anisotropy(0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,8 +241,8 @@ class TurnResponse:
             if array.shape != shape:
                 raise InvalidInput(f"{name} of a turn has shape {array.shape}: it must be {shape}")
             object.__setattr__(self, name, array)
-        parts = (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:]), ("bow", self.bow))
-        for name, (x, y) in parts:
+        slopes = (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:]), ("bow", self.bow))
+        for name, (x, y) in slopes:
             object.__setattr__(self, f"{name}_amplitude", math.hypot(x, y))
             object.__setattr__(self, f"{name}_phase", -math.atan2(y, x) + 0.0)
 
@@ -293,7 +301,8 @@ class Fingerprint:
     @cached_property
     def cycle(self) -> TurnResponse:
         """The response of the whole cycle: push plus drag."""
-        push, drag = self.push, self.drag
+        push = self.push
+        drag = self.drag
         bow = push.bow + drag.bow
         return TurnResponse(
             push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian, bow
@@ -306,7 +315,8 @@ class Fingerprint:
         It grows with the square of the amplitude offset·A₁ + ellipticity·A₂, and with the cube on
         surfaces that are more anisotropic than usual.
         """
-        first, second = self.cycle.offset_amplitude, self.cycle.ellipse_amplitude
+        first = self.cycle.offset_amplitude
+        second = self.cycle.ellipse_amplitude
         size = anisotropy.offset * first + anisotropy.ellipticity * second
         usual = _OFFSET * first + _ELLIPTICITY * second
         return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
@@ -354,9 +364,9 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
             "then depends on the orientation on any surface and has no fingerprint; leave "
             "way_points_mm out"
         )
-    report: Callable[[float], Any] = progress or (lambda fraction: None)
+    report = progress or (lambda fraction: None)
     loop = with_bow(replace(loop, accuracy=min(loop.accuracy, _ACCURACY)), 0.0)
-    isotropic = with_anisotropy(loop, Anisotropy.of_components(np.zeros(4))).cycle(0.0)
+    isotropic = with_anisotropy(loop, _ISOTROPIC).cycle(0.0)
     gradients = _gradients(loop, np.zeros(4))
     report(0.1)
     differences = np.zeros((2, 4, 4))
@@ -369,13 +379,14 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
     turns = isotropic.push_turn, isotropic.drag_turn
     bows = _bow_gradients(loop)
     push, drag = (
-        TurnResponse(*parts) for parts in zip(turns, gradients, hessians, bows, strict=True)
+        TurnResponse(*derivatives)
+        for derivatives in zip(turns, gradients, hessians, bows, strict=True)
     )
-    found = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
+    response = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
     return replace(
-        found,
-        remainder=_remainder(loop, found.cycle),
-        bow_remainder=_bow_remainder(loop, found.cycle),
+        response,
+        remainder=_remainder(loop, response.cycle),
+        bow_remainder=_bow_remainder(loop, response.cycle),
     )
 
 
@@ -425,8 +436,15 @@ def _bow_gradients(loop: CollectionLoop) -> Array:
         return np.zeros((2, 2))
     # A bow of nothing, so that the footprint is one that has shapes.
     flat = with_bow(loop, _LEAST_BOW)
-    found = with_anisotropy(flat, Anisotropy.of_components(np.zeros(4))).sensitivity(0.0, _BOW)
-    return found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
+    return _turns_by(with_anisotropy(flat, _ISOTROPIC), _BOW)
+
+
+def _turns_by(loop: CollectionLoop, parameters: tuple[str, ...]) -> Array:
+    """Derivatives (2, k) of the turns of push and drag at θ = 0 by parameters."""
+    sensitivity = loop.sensitivity(0.0, parameters)
+    return sensitivity.jacobian[
+        [sensitivity.outputs.index(stroke) for stroke in ("push_turn", "drag_turn")]
+    ]
 
 
 def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
@@ -434,7 +452,7 @@ def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
     at most over half a turn."""
     if not _can_bow(loop):
         return 0.0
-    bowed = with_anisotropy(with_bow(loop, 1.0), Anisotropy.of_components(np.zeros(4)))
+    bowed = with_anisotropy(with_bow(loop, 1.0), _ISOTROPIC)
     theta = math.pi * np.arange(_SURFACES) / _SURFACES
     first = response.bow_amplitude * np.cos(2.0 * theta - response.bow_phase)
     return float(np.abs(bowed.next_theta(theta) - theta - response.turn - first).max())
@@ -478,9 +496,9 @@ def _derivatives(loop: CollectionLoop, surface: Anisotropy) -> tuple[Array, Arra
     by φ (2,).
     """
     law = surface.friction(_MEAN)
-    found = with_anisotropy(loop, surface).sensitivity(0.0, _FRICTION)
-    rows = found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
+    rows = _turns_by(with_anisotropy(loop, surface), _FRICTION)
     by_a, by_b, by_m, by_n, by_phi = rows.T
-    c, s = math.cos(law.phi), math.sin(law.phi)
+    c = math.cos(law.phi)
+    s = math.sin(law.phi)
     by_offset = _MEAN * np.stack([c * by_m - s * by_n, s * by_m + c * by_n], axis=-1)
     return by_offset, law.mu_a * by_a - law.mu_b * by_b, by_phi

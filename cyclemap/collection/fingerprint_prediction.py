@@ -32,7 +32,9 @@ TRUSTED_RATIO = 0.5
 _KNOWN = 0.02
 _ANGLES = np.arange(7200) * (TWO_PI / 7200)
 
-LOCKS, DRIFTS, UNDECIDED = "locks", "drifts", "undecided"
+LOCKS = "locks"
+DRIFTS = "drifts"
+UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -61,14 +63,15 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
     theta = stationary_angles(response, anisotropy)
     if not theta.size:
         return LockIn(math.inf, math.nan)
-    part = response.first_order(anisotropy.seen_from(theta))
-    low, high = int(np.argmin(part)), int(np.argmax(part))
+    first = response.first_order(anisotropy.seen_from(theta))
+    low = int(np.argmin(first))
+    high = int(np.argmax(first))
     ahead = response.turn % TWO_PI
-    found = (
-        LockIn(float(-ahead / part[low]), float(theta[low])),
-        LockIn(float((TWO_PI - ahead) / part[high]), float(theta[high])),
+    ways = (
+        LockIn(float(-ahead / first[low]), float(theta[low])),
+        LockIn(float((TWO_PI - ahead) / first[high]), float(theta[high])),
     )
-    return min(found, key=lambda lock_in: lock_in.scale)
+    return min(ways, key=lambda lock_in: lock_in.scale)
 
 
 def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
@@ -82,7 +85,8 @@ def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
     largest = max(abs(p), abs(q))
     if largest == 0.0:
         return np.zeros(0)
-    p, q = p / largest, q / largest
+    p = p / largest
+    q = q / largest
     roots = np.roots([2.0 * q, p, 0.0, -p.conjugate(), -2.0 * q.conjugate()])
     # Roots off the unit circle are no extrema; an angle too many does no harm where the least turn
     # is sought.
@@ -115,7 +119,7 @@ def lock_in_boundary(
             ellipse_direction,
         )
         scale = first_order_lock_in(response, ray).scale
-        points.append([scale * part if part else 0.0 for part in (ray.offset, ray.ellipticity)])
+        points.append([scale * size if size else 0.0 for size in (ray.offset, ray.ellipticity)])
     return np.array(points).reshape((*rays.shape, 2))
 
 
@@ -200,10 +204,8 @@ class Prediction:
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
-        turn, (p, q) = (
-            self.fingerprint.cycle.turn,
-            harmonics(self.fingerprint.cycle, self.anisotropy),
-        )
+        turn = self.fingerprint.cycle.turn
+        (p, q) = harmonics(self.fingerprint.cycle, self.anisotropy)
         return CircleMap.with_scalar(
             lambda theta: theta + turn + (p * np.exp(1j * theta) + q * np.exp(2j * theta)).real,
             lambda theta: 1.0 - (p * np.exp(1j * theta) + 2.0 * q * np.exp(2j * theta)).imag,
@@ -226,8 +228,8 @@ class Prediction:
         """Whether differences found the protocol's second order; where not, every error here is
         unknown too.
         """
-        found = self.fingerprint
-        return found.hessian_error <= _KNOWN * max(float(np.abs(found.cycle.hessian).max()), 1e-3)
+        known = self.fingerprint
+        return known.hessian_error <= _KNOWN * max(float(np.abs(known.cycle.hessian).max()), 1e-3)
 
     @property
     def trusted(self) -> bool:
@@ -241,7 +243,7 @@ class Prediction:
         """The fixed points of the first-order map, by angle; a saddle-node counts once. None on
         isotropic surfaces.
         """
-        found = []
+        directions = []
         for orbit in fixed_points(self.map) if self._anisotropic else ():
             theta = float(orbit.points[0])
             error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
@@ -250,8 +252,8 @@ class Prediction:
                 same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None
             )
             near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
-            found.append(PredictedDirection(orbit, error, nearest if near else None))
-        return tuple(found)
+            directions.append(PredictedDirection(orbit, error, nearest if near else None))
+        return tuple(directions)
 
     @cached_property
     def second_order_points(self) -> tuple[Orbit, ...]:
@@ -268,7 +270,8 @@ class Prediction:
     @cached_property
     def verdict(self) -> str:
         """`locks` or `drifts` where every map within the error does, else `undecided`."""
-        turn, error = self.turn(_ANGLES), self.turn_error(_ANGLES)
+        turn = self.turn(_ANGLES)
+        error = self.turn_error(_ANGLES)
         wholes = TWO_PI * np.arange(
             np.floor(turn.min() / TWO_PI), np.ceil(turn.max() / TWO_PI) + 1.0
         )
@@ -327,10 +330,10 @@ class Prediction:
         off.
         """
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
-        part = float(
+        first = float(
             self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta))
         )
-        side = -math.copysign(1.0, part)
+        side = -math.copysign(1.0, first)
         isotropic = self.fingerprint.cycle.turn
         ahead = (side * isotropic) % TWO_PI
         turn = ahead + side * (scaled.turn(_ANGLES) - isotropic)
@@ -346,7 +349,8 @@ class Prediction:
         out = int(np.argmax(inside < 0.0))
         if out == 0:
             return 0.0 if inside[0] < 0.0 else math.pi
-        before, after = inside[out - 1], inside[out]
+        before = inside[out - 1]
+        after = inside[out]
         return float(reach[out - 1] + (reach[1] - reach[0]) * before / (before - after))
 
 
@@ -509,17 +513,18 @@ def check_prediction(
     if not np.allclose(
         own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9
     ):
-        given, found = (
+        given, own_words = (
             f"offset {seen.offset:.4f} along {math.degrees(seen.offset_direction):.2f}° and "
             f"ellipticity {seen.ellipticity:.4f} along {math.degrees(seen.ellipse_direction):.2f}°"
             for seen in (prediction.anisotropy, own)
         )
         raise InvalidInput(
-            f"the prediction is of {given}, but {loop.material.name} has {found}: predict for "
+            f"the prediction is of {given}, but {loop.material.name} has {own_words}: predict for "
             "this loop's own friction"
         )
     full = loop.circle_map(tolerance=tolerance, progress=progress)
-    points, checked = tuple(fixed_points(full)), []
+    points = tuple(fixed_points(full))
+    checked = []
     for direction in prediction.directions:
         away = {
             abs(math.remainder(float(orbit.points[0]) - direction.theta, TWO_PI)): orbit
@@ -551,13 +556,13 @@ def full_lock_in(
 
     def nearest(scale: float) -> tuple[float, float]:
         surface = with_anisotropy(loop, anisotropy.scaled(scale))
-        found = minimize_scalar(
+        least = minimize_scalar(
             lambda theta: sign * (surface.cycle(theta).theta_next - theta - whole),
             bounds=(near.theta - _REACH, near.theta + _REACH),
             method="bounded",
             options={"xatol": 3e-4},
         )
-        return float(found.fun), float(found.x)
+        return float(least.fun), float(least.x)
 
     try:
         scale = float(

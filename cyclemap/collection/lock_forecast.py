@@ -8,24 +8,27 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array, evenly_spread
+from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread, nodes_around
 from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.uncertain_directions import clusters, sampled_loop
+from cyclemap.collection.loop_surfaces import on_material
+from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # A run has locked in where so many successive pushes stay within this (rad) of each other.
-REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
+REST_CYCLES = 50
+REST_WIDTH = math.radians(30.0)
 # Orientations that are told apart.
 ORIENTATIONS = 36
 # Samples of what is believed, runs on them in all, and angles between which a map is taken as
 # straight: off by .1 degrees.
-_SAMPLES, _RUNS, _NODES = 40, 320, 96
+_SAMPLES = 40
+_RUNS = 320
+_NODES = 96
 _ACCURACY = 1e-5
 LEVEL = 0.9
 
@@ -120,7 +123,8 @@ def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Arr
     theta = TWO_PI * np.arange(_NODES) / _NODES
     turns = np.empty((len(chosen), _NODES))
     for row, index in enumerate(chosen):
-        turns[row] = run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta
+        sample = on_material(stated, loop.material.sample(index))
+        turns[row] = run_batch([sample], theta[None]).theta_next[0] - theta
         if progress is not None:
             progress((row + 1) / len(chosen))
     return turns
@@ -159,8 +163,8 @@ def forecast_from_turns(
     centres = clusters(where)
     away = np.abs(np.angle(np.exp(1j * (where[:, None] - centres))))
     directions = []
-    for number, centre in enumerate(centres.tolist()):
-        own = away[np.argmin(away, axis=1) == number, number]
+    for index, centre in enumerate(centres.tolist()):
+        own = away[np.argmin(away, axis=1) == index, index]
         within = float(np.quantile(own, LEVEL))
         directions.append(LikelyDirection(centre, own.size / len(resting), within))
     directions.sort(key=lambda direction: -direction.share)
@@ -214,24 +218,20 @@ def sampled_paths(
     each = -(-runs // len(turns))
     now = np.repeat(turns, each, axis=0)
     later = now if change is None else now + np.repeat(change, each, axis=0)
-    nodes = turns.shape[1]
     run = np.arange(len(now))
     paths = np.empty((count + 1, len(now)))
     paths[0] = finite_number("start", start)
     for cycle in range(count):
-        place = np.mod(paths[cycle], TWO_PI) * (nodes / TWO_PI)
-        node = np.minimum(place.astype(int), nodes - 1)
-        after = (node + 1) % nodes
-        share = place - node
+        before, after, share = nodes_around(paths[cycle], turns.shape[1])
         done = cycle / count
-        left = (1.0 - done) * now[run, node] + done * later[run, node]
+        left = (1.0 - done) * now[run, before] + done * later[run, before]
         right = (1.0 - done) * now[run, after] + done * later[run, after]
         turn = (1.0 - share) * left + share * right
         paths[cycle + 1] = paths[cycle] + turn + scatter * rng.standard_normal(len(run))
     return paths
 
 
-def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
+def _rests(paths: Array) -> tuple[Mask, Array]:
     """Whether each run rests, (c,), and about where those that do are in all of their first rest,
     rad: they come there from one side.
     """
@@ -242,14 +242,14 @@ def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
     )
     half = REST_CYCLES // 2
     resting = (high - low)[half : len(paths) - half + 1] < REST_WIDTH
-    found = resting.any(axis=0)
+    rests = resting.any(axis=0)
     places = []
-    for run in np.flatnonzero(found):
+    for run in np.flatnonzero(rests):
         first = int(np.argmax(resting[:, run]))
         moves_on = np.flatnonzero(~resting[first:, run])
         last = first + (int(moves_on[0]) if moves_on.size else len(resting) - first) - 1
         places.append(float(np.median(paths[first : last + REST_CYCLES, run])))
-    return found, np.mod(np.array(places), TWO_PI)
+    return rests, np.mod(np.array(places), TWO_PI)
 
 
 def _orientations(paths: Array) -> Array:

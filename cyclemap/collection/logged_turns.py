@@ -14,20 +14,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, nodes_around, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.errors import InvalidInput
 
 # Standard deviation (rad) of a model's turn from that of its loop, and the angle (rad) over which
 # it changes: what maps predicted from pushes miss of the plywood staircase.
-DEVIATION, WIDTH = math.radians(6.0), 0.7
+DEVIATION = math.radians(6.0)
+WIDTH = 0.7
 # Of a log no more pushes are read than these, the last ones.
 MOST_PUSHES = 2000
 # What is tried of a cycle's noise, in shares of what is believed, and of the change in a push, rad.
 _NOISES = (1.0, 2.0, 4.0)
 _CHANGES = tuple(math.radians(change) for change in (0.03, 0.1, 0.3))
 # How likely a push is that no map explains, and how many standard deviations off it must be.
-_JUMP, _JUMPED = 1e-3, 5.0
+_JUMP = 1e-3
+_JUMPED = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,8 @@ def turns_after_log(
     likeliest = max(tried, key=lambda state: state.evidence)
     weight = np.exp(likeliest.likelihood - likeliest.likelihood.max())
     sample = rng.choice(len(believed), count, p=weight / weight.sum())
-    root, root_alike = _root(likeliest.covariance), _root(alike)
+    root = _root(likeliest.covariance)
+    root_alike = _root(alike)
     off = rng.standard_normal((count, nodes)) @ root.T
     walk = likeliest.change * math.sqrt(steps)
     change = walk * rng.standard_normal((count, nodes)) @ root_alike.T
@@ -152,21 +155,16 @@ class _State:
 
 def _filtered(turns: Array, path: Array, alike: Array, sigma: float, change: float) -> _State:
     """Kalman's filter: predict the next push, and correct by what it misses."""
-    nodes = turns.shape[1]
     covariance = DEVIATION**2 * alike
     walk = change**2 * alike
     likelihood = np.zeros(len(turns))
     turns = turns.copy()
-    moved = shorter_way(np.diff(path))
-    for angle, turn in zip(np.mod(path[:-1], TWO_PI), moved, strict=True):
+    pushes = zip(*nodes_around(path[:-1], turns.shape[1]), shorter_way(np.diff(path)), strict=True)
+    for before, after, share, turn in pushes:
         covariance = covariance + walk
-        place = float(angle) * (nodes / TWO_PI)
-        node = int(place) % nodes
-        after = (node + 1) % nodes
-        share = place - int(place)
-        row = (1.0 - share) * covariance[node] + share * covariance[after]
-        variance = float((1.0 - share) * row[node] + share * row[after]) + sigma**2
-        missed = shorter_way(turn - (1.0 - share) * turns[:, node] - share * turns[:, after])
+        row = (1.0 - share) * covariance[before] + share * covariance[after]
+        variance = float((1.0 - share) * row[before] + share * row[after]) + sigma**2
+        missed = shorter_way(turn - (1.0 - share) * turns[:, before] - share * turns[:, after])
         if float(np.abs(missed).min()) > _JUMPED * math.sqrt(variance):
             likelihood += math.log(_JUMP / TWO_PI)
             continue

@@ -5,6 +5,7 @@ orientation.
 from __future__ import annotations
 
 import math
+import reprlib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -13,8 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array, Mask
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycle_scene import CycleScene
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     import xarray
 
     from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory
+
 
 P = TypeVar("P", bound="PushResult | DynamicPush")
 D = TypeVar("D", bound="DragResult | DynamicDrag")
@@ -85,16 +88,6 @@ class StrokePair(Generic[P, D]):
         Orientation before, rad.
     push, drag : results of both strokes
         Quasi-static or dynamic.
-    push_turn, drag_turn : float
-        Turns of the object, rad.
-    push_displacement : ndarray, shape (2,)
-        Of the object's origin in its initial frame, m.
-    drag_length : float
-        Path of the ring, m.
-    theta_next : float
-        Orientation after, rad on the lift: theta + push_turn + drag_turn.
-    ended : str
-        Why the push ended, `distance`, or `left` where the rod lost the object.
     """
 
     theta: float
@@ -107,7 +100,7 @@ class StrokePair(Generic[P, D]):
         return self.push.turn
 
     @property
-    def push_displacement(self) -> NDArray[np.float64]:
+    def push_displacement(self) -> Array:
         """Of the object's origin in its initial frame, (2,), m."""
         return self.push.displacement
 
@@ -161,13 +154,13 @@ class Cycles:
     ((1, 3, 2), [[True, False, False]])
     """
 
-    theta: NDArray[np.float64]
-    push_turn: NDArray[np.float64]
-    push_displacement: NDArray[np.float64]
-    drag_turn: NDArray[np.float64]
-    drag_length: NDArray[np.float64]
-    theta_next: NDArray[np.float64]
-    left: NDArray[np.bool_]
+    theta: Array
+    push_turn: Array
+    push_displacement: Array
+    drag_turn: Array
+    drag_length: Array
+    theta_next: Array
+    left: Mask
 
     def to_frame(self) -> pandas.DataFrame:
         """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx,
@@ -179,7 +172,7 @@ class Cycles:
         """
         import pandas
 
-        columns = {one.name: getattr(self, one.name) for one in fields(self)}
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
         dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
         columns |= {"push_dx": dx, "push_dy": dy}
         return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
@@ -222,9 +215,9 @@ class Cycles:
         return xarray.Dataset({name: (axes, values) for name, values in columns.items()})
 
     @classmethod
-    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
+    def of_batch(cls, theta: Array, batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
-        columns = [getattr(batch, one.name) for one in fields(cls)[1:]]
+        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
         return cls(
             theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns)
         )
@@ -284,7 +277,8 @@ class Cycle(StrokePair[PushResult, DragResult]):
 
     def scene(self) -> CycleScene:
         """Return the cycle as outlines, paths and forces in the world, ready to draw."""
-        loop, course = self.loop, self.trajectory
+        loop = self.loop
+        course = self.trajectory
         return CycleScene.of_courses(loop.slider, loop.pusher.radius, course.push, course.drag)
 
     def _repr_html_(self) -> str:
@@ -330,7 +324,7 @@ class CycleSensitivity:
 
     theta: float
     theta_next: float
-    jacobian: NDArray[np.float64]
+    jacobian: Array
     parameters: tuple[str, ...] = PARAMETERS
     outputs: tuple[str, ...] = CYCLE_OUTPUTS
 
@@ -391,7 +385,7 @@ class CollectionLoop:
 
     def __getstate__(self) -> dict[str, object]:
         # What was computed from the fields stays behind.
-        return {one.name: getattr(self, one.name) for one in fields(self)}
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:
@@ -423,15 +417,15 @@ class CollectionLoop:
         'isotropic'
         """
         known = material.found_with
-        parts: dict[str, Any] = {"material": material}
+        brought: dict[str, Any] = {"material": material}
         if known.pusher_friction is not None:
-            parts["pusher"] = replace(self.pusher, friction=known.pusher_friction)
+            brought["pusher"] = replace(self.pusher, friction=known.pusher_friction)
         if known.pin_friction_radius is not None:
-            parts["reset"] = replace(self.reset, pin_friction_radius=known.pin_friction_radius)
+            brought["reset"] = replace(self.reset, pin_friction_radius=known.pin_friction_radius)
         pressure = plate_footprint(material, self.slider)
         if pressure is not None:
-            parts["footprint"] = pressure
-        return replace(self, **parts)
+            brought["footprint"] = pressure
+        return replace(self, **brought)
 
     def _repr_html_(self) -> str:
         outline = self.slider.outline_points(200)
@@ -479,11 +473,11 @@ class CollectionLoop:
         """
         theta = finite_number("theta", theta)
         if abs(theta) > 2.0 * math.pi and theta.is_integer():
-            told = (
+            doubt = (
                 f"theta is {theta:g} rad, more than a turn: degrees are given as "
                 f"math.radians({theta:g})"
             )
-            warnings.warn(told, DoubtfulInput, stacklevel=2)
+            warnings.warn(doubt, DoubtfulInput, stacklevel=2)
         return Cycle(theta, *self.strokes(theta), self)
 
     def cycles(self, theta: ArrayLike) -> Cycles:
@@ -498,7 +492,7 @@ class CollectionLoop:
         values = finite_array("theta", theta)
         return Cycles.of_batch(values, run_batch((self,), values.reshape(1, -1)))
 
-    def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
+    def next_theta(self, theta: ArrayLike) -> Array:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
         return self.cycles(theta).theta_next
 
@@ -613,9 +607,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     array([[73.65, 73.93, 70.46],
            [79.15, 80.12, 78.44]])
     """
-    for number, loop in enumerate(loops):
-        if not isinstance(loop, CollectionLoop):
-            raise InvalidInput(f"loop {number} must be a CollectionLoop, not {loop!r}")
+    for loop in loops:
+        require_loop(loop)
     values = finite_array("theta", theta)
     if values.ndim not in (1, 2) or (values.ndim == 2 and len(values) != len(loops)):
         raise InvalidInput(
@@ -629,12 +622,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
 def require_loop(loop: object) -> CollectionLoop:
     """Return the loop that it is; InvalidInput for anything else."""
     if not isinstance(loop, CollectionLoop):
-        told = (
-            repr(loop)
-            if isinstance(loop, (str, int, float, type(None)))
-            else f"a {type(loop).__name__}"
-        )
         raise InvalidInput(
-            f"loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
+            "loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not "
+            f"{reprlib.repr(loop)}"
         )
     return loop

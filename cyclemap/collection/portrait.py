@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import shorter_way
-from cyclemap.checks import positive_number
+from cyclemap.arrays import TWO_PI, shorter_way
+from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.lock_forecast import REST_CYCLES, LockForecast, lock_forecast
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.wearing_loop import drifting_map
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, Stroke, inline_svg, map_strokes
 from cyclemap.maps import (
     CircleMap,
@@ -24,6 +23,7 @@ from cyclemap.maps import (
     MetastableSet,
     Orbit,
     RotationNumber,
+    SlowZone,
     Staircase,
     StaircaseSummary,
     StepComparison,
@@ -40,11 +40,9 @@ from cyclemap.maps import (
     shifted,
     transfer_operator,
 )
-from cyclemap.maps.quadrature import circle_rule, gauss_rule
+from cyclemap.maps.quadrature import arc_rule, gauss_rule
 from cyclemap.progress import Progress
 from cyclemap.written import ANGLE
-
-Array = NDArray[np.float64]
 
 # The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
 # degrees.
@@ -77,7 +75,25 @@ class TurnStatistics:
 
 
 @dataclass(frozen=True, eq=False)
-class Portrait:
+class NoisyLoop:
+    """A loop's map and the noise of a cycle, and what comes of both: what `Portrait` and
+    `StaircaseForecast` share.
+    """
+
+    loop: CollectionLoop
+    map: CircleMap
+    noise: WrappedNormal
+    operator: TransferOperator
+    staircase: Staircase
+    prediction: StaircaseSummary
+    drifting: DriftingMap | None
+    worn: StaircaseSummary | None
+    uncertainty: DirectionUncertainty | None
+    forecast: LockForecast | None
+
+
+@dataclass(frozen=True, eq=False)
+class Portrait(NoisyLoop):
     """What a collection loop does, cycle after cycle.
 
     Attributes
@@ -128,21 +144,11 @@ class Portrait:
     [63.2]
     """
 
-    loop: CollectionLoop
-    map: CircleMap
     turns: TurnStatistics
     fixed_points: tuple[Orbit, ...]
     gathering_jumps: tuple[float, ...]
     rotation: RotationNumber
-    noise: WrappedNormal
-    operator: TransferOperator
-    staircase: Staircase
-    prediction: StaircaseSummary
     cycle: Cycle
-    drifting: DriftingMap | None = None
-    worn: StaircaseSummary | None = None
-    uncertainty: DirectionUncertainty | None = None
-    forecast: LockForecast | None = None
 
     def _repr_html_(self) -> str:
         theta = np.linspace(0.0, FULL_TURN, 361)
@@ -255,39 +261,70 @@ def portrait(
     >>> result.rotation.locked, len(result.fixed_points), result.staircase.theta.shape
     (Fraction(0, 1), 2, (51,))
     """
-    if sigma is not None:
-        positive_number("sigma", sigma)
-    if cycles < 1:
-        raise InvalidInput(f"cycles is {cycles}; a staircase needs at least one cycle")
     report = progress or (lambda fraction: None)
-    cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
-    points = tuple(fixed_points(cycle_map))
-    noise, kicks = noises_of(loop, cycle_map, sigma)
-    operator = transfer_operator(cycle_map, noise)
-    report(0.9)
+    noisy = _noisy_loop(loop, sigma, cycles, start, seed, tolerance, report)
+    points = tuple(fixed_points(noisy.map))
     stable = [orbit.points[:1] for orbit in points if orbit.stable]
-    visited = max(stable, key=lambda theta: float(operator.density(theta)[0]), default=np.zeros(1))
+    visited = max(
+        stable, key=lambda theta: float(noisy.operator.density(theta)[0]), default=np.zeros(1)
+    )
+    jumps = crossings_by_jump(noisy.map)
     result = Portrait(
-        loop=loop,
-        map=cycle_map,
-        turns=turn_statistics(cycle_map),
+        **vars(noisy),
+        turns=turn_statistics(noisy.map),
         fixed_points=points,
-        gathering_jumps=tuple(
-            jump.theta for jump in crossings_by_jump(cycle_map) if jump.attracting
-        ),
-        rotation=rotation_number(cycle_map),
-        noise=noise,
-        operator=operator,
-        staircase=sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
-        prediction=predict_staircase(cycle_map, noise, operator),
+        gathering_jumps=tuple(jump.theta for jump in jumps if jump.attracting),
+        rotation=rotation_number(noisy.map),
         cycle=loop.cycle(float(visited[0])),
-        drifting=drifting,
-        worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
-        uncertainty=uncertainty,
-        forecast=_forecast(loop, noise.sigma, cycles, start, seed),
     )
     report(1.0)
     return result
+
+
+def _noisy_loop(
+    loop: CollectionLoop,
+    sigma: float | None,
+    cycles: int,
+    start: float,
+    seed: int,
+    tolerance: float,
+    report: Progress,
+) -> NoisyLoop:
+    """Nearly all of the work: 0.9 of the progress.
+
+    How well directions are known stays unknown of what stands in for a loop, its map alone being
+    known.
+    """
+    if sigma is not None:
+        positive_number("sigma", sigma)
+    whole_number("cycles", cycles, least=1)
+    wears = loop.material.wear is not None
+    share = 0.2 if wears else 0.6
+    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
+    noise, kicks = noises_of(loop, cycle_map, sigma)
+    drifting = worn = uncertainty = None
+    if wears:
+        # How many maps it takes is not known before.
+        drifting = drifting_map(
+            loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS))
+        )
+        worn = predict_staircase(drifting.maps[-1], noise)
+    if isinstance(loop, CollectionLoop):
+        uncertainty = direction_uncertainty(loop, lambda done: report(0.6 + 0.2 * done))
+    operator = transfer_operator(cycle_map, noise)
+    report(0.9)
+    return NoisyLoop(
+        loop,
+        cycle_map,
+        noise,
+        operator,
+        sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
+        predict_staircase(cycle_map, noise, operator),
+        drifting,
+        worn,
+        uncertainty,
+        _forecast(loop, noise.sigma, cycles, start, seed),
+    )
 
 
 def _forecast(
@@ -300,27 +337,6 @@ def _forecast(
     if not stays or loop.material.posterior is None or cycles < REST_CYCLES:
         return None
     return lock_forecast(loop, sigma, cycles, start, seed)
-
-
-def _maps_of(
-    loop: CollectionLoop, cycles: int, tolerance: float, report: Progress
-) -> tuple[CircleMap, DriftingMap | None, DirectionUncertainty | None]:
-    """The cycle map; where the surface wears, the map over a run; how well stable directions are
-    known.
-
-    That is nearly all of the work: 0.8 of the progress. The last is None for what stands in for a
-    loop, its map alone being known.
-    """
-    share, drifting, uncertainty = 0.6 if loop.material.wear is None else 0.2, None, None
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
-    if loop.material.wear is not None:
-        # How many maps it takes is not known before.
-        drifting = drifting_map(
-            loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS))
-        )
-    if isinstance(loop, CollectionLoop):
-        uncertainty = direction_uncertainty(loop, lambda done: report(0.6 + 0.2 * done))
-    return cycle_map, drifting, uncertainty
 
 
 def noises_of(
@@ -344,7 +360,7 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     thousands of nodes.
     """
     if cycle_map.pieces is None:
-        theta, weight = circle_rule(cycle_map, _BANDWIDTH)
+        theta, weight = arc_rule(cycle_map, 0.0, TWO_PI, _BANDWIDTH)
     else:
         # For the map itself: waves of it would need more nodes, the steeper it is.
         knots = cycle_map.pieces.knots
@@ -361,25 +377,21 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
 
 
 @dataclass(frozen=True, eq=False)
-class StaircaseForecast:
+class StaircaseForecast(NoisyLoop):
     """A predicted staircase.
 
     Attributes
     ----------
-    loop, map, noise, prediction : as of a Portrait
-        What is run, its map, the noise of a cycle, and what such a run looks like on average.
+    loop, map, noise, operator, staircase, prediction, drifting, worn, uncertainty, forecast
+        As of a `Portrait`: what is run, its map, the noise of a cycle, one noisy run, and what such
+        a run looks like on average.
     log10_residences : tuple of Estimate or None
         Of each of the prediction's zones, log10 of its mean residence in cycles, beyond every
         float too; None where it could not be certified.
-    run : Staircase
-        One noisy run.
     steps : Steps
-        The dwells and steps found in it.
+        The dwells and steps found in the run.
     comparison : StepComparison
         These steps beside the prediction, of the fresh surface.
-    drifting, worn, uncertainty, forecast : as of a Portrait
-        How the surface wears, how well the directions are known, and what is believed of the
-        run.
 
     Examples
     --------
@@ -391,18 +403,9 @@ class StaircaseForecast:
     ((), 8.0)
     """
 
-    loop: CollectionLoop
-    map: CircleMap
-    noise: WrappedNormal
-    prediction: StaircaseSummary
     log10_residences: tuple[Estimate | None, ...]
-    run: Staircase
     steps: Steps
     comparison: StepComparison
-    drifting: DriftingMap | None = None
-    worn: StaircaseSummary | None = None
-    uncertainty: DirectionUncertainty | None = None
-    forecast: LockForecast | None = None
 
 
 def staircase_forecast(
@@ -456,45 +459,26 @@ def staircase_forecast(
     >>> round(float(forecast.log10_residences[0]), 1)
     7.6
     """
-    from cyclemap.maps import (
-        log10_passage_time,
-    )  # its SciPy is slow to import, and a portrait does without
-
     report = progress or (lambda fraction: None)
-    cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
-    noise, kicks = noises_of(loop, cycle_map, sigma)
-    prediction = predict_staircase(cycle_map, noise)
-    report(0.8)
-    run = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
-    worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)
-    residences: list[Estimate | None] = []
-    for zone in prediction.zones:
-        if np.isfinite(zone.residence_cycles):
-            residences.append(Estimate(np.log10(zone.residence_cycles), 0.0))
-            continue
-        still = shifted(cycle_map, -zone.winding)
-        try:
-            # From the point that `SlowZone.residence_cycles` starts from.
-            residences.append(
-                log10_passage_time(still, noise, zone.middle, zone.arc, lifted=zone.whole_turn)
-            )
-        except ConvergenceError:
-            residences.append(None)
+    noisy = _noisy_loop(loop, sigma, cycles, start, seed, tolerance, report)
+    residences = tuple(_log10_residence(noisy, zone) for zone in noisy.prediction.zones)
+    steps = find_steps(noisy.staircase.theta)
+    comparison = compare_steps(steps, noisy.prediction)
     report(1.0)
-    steps = find_steps(run.theta)
-    comparison = compare_steps(steps, prediction)
-    ahead = _forecast(loop, noise.sigma, cycles, start, seed)
     return StaircaseForecast(
-        loop,
-        cycle_map,
-        noise,
-        prediction,
-        tuple(residences),
-        run,
-        steps,
-        comparison,
-        drifting,
-        worn,
-        uncertainty,
-        ahead,
+        **vars(noisy), log10_residences=residences, steps=steps, comparison=comparison
     )
+
+
+def _log10_residence(noisy: NoisyLoop, zone: SlowZone) -> Estimate | None:
+    # Its SciPy is slow to import, and a portrait does without.
+    from cyclemap.maps import log10_passage_time
+
+    if np.isfinite(zone.residence_cycles):
+        return Estimate(np.log10(zone.residence_cycles), 0.0)
+    still = shifted(noisy.map, -zone.winding)
+    try:
+        # From the point that `SlowZone.residence_cycles` starts from.
+        return log10_passage_time(still, noisy.noise, zone.middle, zone.arc, lifted=zone.whole_turn)
+    except ConvergenceError:
+        return None

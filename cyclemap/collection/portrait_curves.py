@@ -73,14 +73,15 @@ class PortraitCurves:
 
 def portrait_curves(portrait: Portrait) -> PortraitCurves:
     """The curves of `portrait`."""
-    theta, drifting = np.linspace(0.0, FULL_TURN, CURVE_SAMPLES + 1), portrait.drifting
+    theta = np.linspace(0.0, FULL_TURN, CURVE_SAMPLES + 1)
+    drifting = portrait.drifting
     if drifting is None:
         density = portrait.operator.density(theta)
     else:
         shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
         maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
         density = np.mean(
-            [transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0
+            [transfer_operator(worn, portrait.noise).density(theta) for worn in maps], axis=0
         )
     scene = portrait.cycle.scene()
     return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density, scene)
@@ -111,14 +112,16 @@ def cobweb(portrait: Portrait) -> Cobweb:
     centre = places[0] if places else float(theta[np.argmin(np.abs(turn))])
     largest = max(abs(portrait.turns.min_turn), abs(portrait.turns.max_turn))
     half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
-    low, high = centre - half, centre + half
+    low = centre - half
+    high = centre + half
     # Every lift of the jumps and of the unstable points in the window.
     jumps = np.array([jump.theta for jump in curve.jumps])
     unstable = np.array([orbit.points[0] for orbit in portrait.fixed_points if not orbit.stable])
     turns = FULL_TURN * np.arange(np.floor(low / FULL_TURN) - 1, np.ceil(high / FULL_TURN) + 1)
     lifts = (np.add.outer(turns, theta).ravel() for theta in (jumps, unstable))
     cuts, between = (every[(every >= low) & (every <= high)] for every in lifts)
-    pieces, beside = _pieces(low, high, cuts), 0.01 * (high - low)
+    pieces = _pieces(low, high, cuts)
+    beside = 0.01 * (high - low)
     starts = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(
         portrait.map.turn(high) < 0
     )

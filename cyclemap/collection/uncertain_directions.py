@@ -15,8 +15,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, evenly_spread, shorter_way
+from cyclemap.arrays import TWO_PI, Array, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
@@ -25,9 +26,8 @@ from cyclemap.mechanics.foundation import FLAT
 from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION
 
-Array = NDArray[np.float64]
-
-FIRST_ORDER, SAMPLES = "first order", "samples"
+FIRST_ORDER = "first order"
+SAMPLES = "samples"
 LEVEL = 0.95
 # Samples between whose ends a further one lies in 95 % of cases.
 _FEWEST = 39
@@ -35,13 +35,17 @@ _FEWEST = 39
 # on it.
 VARIED = 0.10
 # Nodes of every map, and places of each cell at which its cubic is looked at.
-_NODES, _INSIDE = 48, 16
+_NODES = 48
+_INSIDE = 16
 # Samples run in full to judge the first order; what it may be off by: a share of the interval's
 # width, at least rad.
-_JUDGES, _SHARE, _LEAST = 6, 0.04, math.radians(0.05)
+_JUDGES = 6
+_SHARE = 0.04
+_LEAST = math.radians(0.05)
 # Samples of the mechanics: accuracy of a cycle, and error of the map where it nears a fixed point,
 # rad.
-_ACCURACY, _MAP_ERROR = 1e-6, 3e-5
+_ACCURACY = 1e-6
+_MAP_ERROR = 3e-5
 # No cell is halved more often: it may hold a jump.
 _HALVINGS = 8
 # Stable points farther from each other than this, rad, are not the same direction, where the stated
@@ -134,35 +138,11 @@ class DirectionUncertainty:
         there is none.
         """
         near = [
-            one
-            for one in self.directions
-            if one.theta is not None and abs(shorter_way(one.theta - theta)) < 0.01
+            direction
+            for direction in self.directions
+            if direction.theta is not None and abs(shorter_way(direction.theta - theta)) < 0.01
         ]
         return near[0] if near else None
-
-
-def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
-    """Return the loop on one sample of its material's posterior; what was set otherwise than by the
-    material stays.
-
-    Raises InvalidInput where there is no such sample.
-    """
-    stated, sample = loop.material, loop.material.sample(number)
-    bare = replace(loop, footprint=None)
-    before, after = bare.with_material(stated), bare.with_material(sample)
-    parts = {
-        name: getattr(after, name)
-        for name in ("pusher", "reset", "footprint")
-        if _alike(getattr(before, name), getattr(loop, name))
-    }
-    return replace(loop, material=sample, **parts)
-
-
-def _alike(first: object, second: object) -> bool:
-    """Whether parts of a loop are the same, shapes but for the rounding of an object's weight."""
-    if isinstance(first, PressedFootprint) and isinstance(second, PressedFootprint):
-        return first.outline == second.outline and first.is_near(second)
-    return first == second
 
 
 def direction_uncertainty(
@@ -204,16 +184,9 @@ def direction_uncertainty(
     report = progress or (lambda fraction: None)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
-        law, varied = loop.material.friction, []
-        for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
-            friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
-            varied.append(
-                replace(stated, material=replace(loop.material, friction=friction, wear=None))
-            )
-        nominal, *found = stable_points([stated, *varied], report)
-        locks, intervals = sum(one.size > 0 for one in found), _intervals(nominal, found, span=True)
-        return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
-    loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
+        return _of_axis_ratio(stated, report)
+    samples = map(loop.material.sample, range(len(loop.material.posterior)))
+    loops = [on_material(stated, sample) for sample in samples]
     nominal = stable_points([stated])[0]
     linear = _first_order(stated, loops)
     telling, extreme = _judges(linear)
@@ -234,11 +207,26 @@ def direction_uncertainty(
         rest = [index for index in range(len(loops)) if index not in full]
         ran = stable_points([loops[index] for index in rest], lambda done: report(0.3 + 0.7 * done))
         full.update(zip(rest, ran, strict=True))
-        linear, method = [full[index] for index in range(len(loops))], SAMPLES
+        linear = [full[index] for index in range(len(loops))]
+        method = SAMPLES
         intervals = _intervals(nominal, linear)
     report(1.0)
     locks = sum(one.size > 0 for one in linear)
     return DirectionUncertainty("posterior", method, len(loops), locks, intervals, error)
+
+
+def _of_axis_ratio(stated: CollectionLoop, report: Progress) -> DirectionUncertainty:
+    """What the ratio of the axes does to the directions, where nothing is known of it."""
+    law = stated.material.friction
+    loops = [stated]
+    for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
+        friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
+        material = replace(stated.material, friction=friction, wear=None)
+        loops.append(replace(stated, material=material))
+    nominal, *varied = stable_points(loops, report)
+    locks = sum(points.size > 0 for points in varied)
+    intervals = _intervals(nominal, varied, span=True)
+    return DirectionUncertainty("axis ratio", SAMPLES, len(varied), locks, intervals)
 
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:
@@ -257,20 +245,22 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     columns = np.array(
         [*by_shape, *(np.nan_to_num(by[name]) for name in (*others, "pin_friction_radius"))]
     )
-    change = np.array([_coordinates(one, law.phi) for one in loops]) - _coordinates(loop, law.phi)
+    change = np.array([_coordinates(sample, law.phi) for sample in loops]) - _coordinates(
+        loop, law.phi
+    )
     # Slopes by the map's own derivative, and of the change by that of its Fourier series.
     waves = 1j * np.fft.rfftfreq(_NODES, 1.0 / _NODES)
     waves[-1] = 0.0
     slopes = np.fft.irfft(waves * np.fft.rfft(columns, axis=1), _NODES, axis=1)
     turn = batch.theta_next[0] - theta + change @ columns
     slope = batch.jacobian[0, :, -1, 0] - 1.0 + change @ slopes
-    number, node = np.indices(turn.shape)
+    owner, node = np.indices(turn.shape)
     after = (node + 1) % _NODES
     cells = np.stack(
-        [theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[number, after]], -1
+        [theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[owner, after]], -1
     )
-    cells = np.concatenate([cells, np.stack([slope, slope[number, after]], -1)], -1)
-    return _roots(number.ravel(), cells.reshape(-1, 6), len(loops))
+    cells = np.concatenate([cells, np.stack([slope, slope[owner, after]], -1)], -1)
+    return _roots(owner.ravel(), cells.reshape(-1, 6), len(loops))
 
 
 def _coordinates(loop: CollectionLoop, phi: float) -> Array:
@@ -278,12 +268,12 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
     ring, pressure.
     """
     law = loop.material.friction
-    axes = np.array(
-        [[math.cos(law.phi - phi), -math.sin(law.phi - phi)], [math.sin(law.phi - phi), 0.0]]
-    )
-    axes[1, 1] = axes[0, 0]
+    c = math.cos(law.phi - phi)
+    s = math.sin(law.phi - phi)
+    axes = np.array([[c, -s], [s, c]])
     shape = axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
-    pressure, (x, y) = loop.model.pressure, loop.slider.hitch
+    pressure = loop.model.pressure
+    (x, y) = loop.slider.hitch
     shares = [getattr(pressure, name, 0.0) for name in SHARES]
     shapes = (
         (pressure.floor, pressure.plate) if isinstance(pressure, PressedFootprint) else (FLAT, FLAT)
@@ -307,8 +297,8 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     """Samples whose directions are judged, from end to end of the interval; and extremes, of which
     only the number.
     """
-    some = [index for index, found in enumerate(points) if found.size]
-    none = [index for index, found in enumerate(points) if not found.size]
+    some = [index for index, directions in enumerate(points) if directions.size]
+    none = [index for index, directions in enumerate(points) if not directions.size]
     if not some:
         return sorted(none[index] for index in evenly_spread(len(none), _JUDGES)), []
     middle = np.angle(np.exp(1j * np.concatenate([points[index] for index in some])).sum())
@@ -327,44 +317,49 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     """
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
-    turn, slope = batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0
+    turn = batch.theta_next - theta
+    slope = batch.jacobian[:, :, -1, 0] - 1.0
     width = np.full(theta.shape, TWO_PI / theta.shape[1])
     ends = (theta, width, turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
-    cells, number = (
-        np.stack(ends, -1).reshape(-1, 6),
-        np.repeat(np.arange(len(loops)), theta.shape[1]),
-    )
-    done, owner = [], []
+    cells = np.stack(ends, -1).reshape(-1, 6)
+    owners = np.repeat(np.arange(len(loops)), theta.shape[1])
+    done = []
+    owner = []
     for halving in range(_HALVINGS):
         middle = cells[:, 0] + 0.5 * cells[:, 1]
-        batch = run_batch([loops[index] for index in number.tolist()], middle[:, None], 1)
-        turn, slope = batch.theta_next[:, 0] - middle, batch.jacobian[:, 0, -1, 0] - 1.0
+        batch = run_batch([loops[index] for index in owners.tolist()], middle[:, None], 1)
+        turn = batch.theta_next[:, 0] - middle
+        slope = batch.jacobian[:, 0, -1, 0] - 1.0
         error = np.abs(turn - _cubic(cells, np.array([0.5]))[:, 0])
         half = 0.5 * cells[:, 1]
         left = np.stack([cells[:, 0], half, cells[:, 2], turn, cells[:, 4], slope], -1)
         right = np.stack([middle, half, turn, cells[:, 3], slope, cells[:, 5]], -1)
-        parts, parents = np.concatenate([left, right]), np.concatenate([number, number])
+        halves = np.concatenate([left, right])
+        parents = np.concatenate([owners, owners])
         # A half is a sixteenth as far off as the whole where the map is smooth; at a kink by luck
         # less.
         error = np.concatenate([error, error])
-        nearest = np.abs(_offset(parts)).min(axis=1)
+        nearest = np.abs(_offset(halves)).min(axis=1)
         open_ = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
-        done.append(parts[~open_])
+        done.append(halves[~open_])
         owner.append(parents[~open_])
-        cells, number = parts[open_], parents[open_]
+        cells = halves[open_]
+        owners = parents[open_]
         if report is not None:
             report((halving + 1) / _HALVINGS)
-        if not number.size:
+        if not owners.size:
             break
-    return _roots(np.concatenate([*owner, number]), np.concatenate([*done, cells]), len(loops))
+    return _roots(np.concatenate([*owner, owners]), np.concatenate([*done, cells]), len(loops))
 
 
 def _cubic(cells: Array, share: Array) -> Array:
     """Turns (n, k) of cells (n, 6: start, width, turns and slopes of turn at both ends) at shares
     (k,) of the width.
     """
-    h00, h01 = (1.0 + 2.0 * share) * (1.0 - share) ** 2, share**2 * (3.0 - 2.0 * share)
-    h10, h11 = share * (1.0 - share) ** 2, share**2 * (share - 1.0)
+    h00 = (1.0 + 2.0 * share) * (1.0 - share) ** 2
+    h01 = share**2 * (3.0 - 2.0 * share)
+    h10 = share * (1.0 - share) ** 2
+    h11 = share**2 * (share - 1.0)
     shapes = np.array([h00, h01, h10, h11])
     return np.asarray(
         (cells[:, 2:] * np.stack([np.ones(len(cells))] * 2 + [cells[:, 1]] * 2, -1)) @ shapes
@@ -379,19 +374,20 @@ def _offset(cells: Array) -> Array:
     return np.asarray(turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI))
 
 
-def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
+def _roots(owners: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     """The stable fixed points of each of `count` maps, whose cells have its number."""
     turn = _offset(cells)
     cell, place = np.nonzero((turn[:, :-1] > 0.0) & (turn[:, 1:] <= 0.0))
-    high, low = turn[cell, place], turn[cell, place + 1]
+    high = turn[cell, place]
+    low = turn[cell, place + 1]
     # Of a stable point the map's slope 1 + d turn / dθ is above -1.
     step = cells[cell, 1] / _INSIDE
     theta = cells[cell, 0] + step * (place + high / (high - low))
     stable = (low - high) / step > -2.0
-    found: list[Array] = [
-        np.sort(np.mod(theta[stable & (number[cell] == index)], TWO_PI)) for index in range(count)
+    points: list[Array] = [
+        np.sort(np.mod(theta[stable & (owners[cell] == index)], TWO_PI)) for index in range(count)
     ]
-    return found
+    return points
 
 
 def _intervals(
@@ -402,7 +398,7 @@ def _intervals(
     """
     every = np.concatenate([np.zeros(0), *points])
     centres = nominal if nominal.size else clusters(every)
-    found = []
+    intervals = []
     for index, centre in enumerate(centres):
         away = []
         for some in points:
@@ -413,27 +409,29 @@ def _intervals(
             )
             own = shorter_way(some[nearest == index] - centre)
             away += [own[np.argmin(np.abs(own))]] if own.size else []
-        told = np.array([*away, 0.0] if span and nominal.size else away)
-        if told.size == 0:
-            told = np.zeros(1)
+        offsets = np.array([*away, 0.0] if span and nominal.size else away)
+        if offsets.size == 0:
+            offsets = np.zeros(1)
         ends = (0.0, 1.0) if span else (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
-        low, high = np.quantile(told, ends, method="linear" if span else "weibull")
+        low, high = np.quantile(offsets, ends, method="linear" if span else "weibull")
         lower = float((centre + low) % TWO_PI)
         theta = float(centre) if nominal.size else None
-        found.append(
+        intervals.append(
             DirectionInterval(theta, lower, lower + float(high - low), len(away) / len(points))
         )
-    return tuple(found)
+    return tuple(intervals)
 
 
-def clusters(points: Array) -> Array:
-    """Return the centres of points of the circle (n,), rad, that gaps of 40 degrees part."""
+def clusters(points: Array, apart: float = _APART) -> Array:
+    """Return the centres of points of the circle (n,), rad in [0, 2π), that gaps (rad) part, of 40
+    degrees where nothing else is said.
+    """
     if not points.size:
         return points
     order = np.sort(points)
     gaps = np.diff(order, append=order[0] + TWO_PI)
     order = np.roll(order, -1 - int(np.argmax(gaps)))
-    cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > _APART) + 1
+    cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > apart) + 1
     return np.array(
         [np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)]
     )

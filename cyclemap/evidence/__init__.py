@@ -13,7 +13,7 @@ Fitting
 fit_map, FittedMap : a cycle map from pairs
 fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ with its bands, one
     that wears
-fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
+fit_set, SetFit, set_laws, MotionLaw : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a
     measured path
@@ -129,12 +129,21 @@ if TYPE_CHECKING:
         push_statistics as push_statistics,
     )
     from cyclemap.evidence.laws.set_fit import (
+        MotionLaw as MotionLaw,
         SetFit as SetFit,
-        SetLaws as SetLaws,
         TurnHistogram as TurnHistogram,
         fit_set as fit_set,
         set_laws as set_laws,
         turn_histogram as turn_histogram,
+    )
+    from cyclemap.evidence.laws.turn_bins import (
+        AngleHistogram as AngleHistogram,
+        MapAgreement as MapAgreement,
+        MeasuredOverlay as MeasuredOverlay,
+        TurnBins as TurnBins,
+        angle_histogram as angle_histogram,
+        measured_overlay as measured_overlay,
+        turn_bins as turn_bins,
     )
     from cyclemap.evidence.measured_plan import (
         MeasuredPlan as MeasuredPlan,
@@ -157,32 +166,25 @@ if TYPE_CHECKING:
         MeasuredDrag as MeasuredDrag,
         MeasuredPush as MeasuredPush,
     )
-    from cyclemap.evidence.pushes.planned_table import filled_text as filled_text
-    from cyclemap.evidence.pushes.push_files import (
-        PushRecord as PushRecord,
-        ScanRecord as ScanRecord,
-        read_push_file as read_push_file,
-    )
+    from cyclemap.evidence.pushes.push_files import read_push_file as read_push_file
     from cyclemap.evidence.pushes.push_table import (
         PushTable as PushTable,
         UnreadableFile as UnreadableFile,
         load_pushes as load_pushes,
     )
+    from cyclemap.evidence.pushes.recordings import (
+        PushRecord as PushRecord,
+        ScanRecord as ScanRecord,
+    )
     from cyclemap.evidence.pushes.theta0_pairs import (
-        AngleHistogram as AngleHistogram,
-        MapAgreement as MapAgreement,
-        MeasuredOverlay as MeasuredOverlay,
         Theta0Pairs as Theta0Pairs,
-        TurnBins as TurnBins,
-        angle_histogram as angle_histogram,
-        measured_overlay as measured_overlay,
         read_theta0_pairs as read_theta0_pairs,
-        turn_bins as turn_bins,
     )
     from cyclemap.evidence.recorded_push import RecordingNoise as RecordingNoise
     from cyclemap.evidence.simulated_collection import (
         SimulatedCollection as SimulatedCollection,
         simulate_collection as simulate_collection,
     )
+    from cyclemap.evidence.tables.planned_table import filled_text as filled_text
 else:
     import_on_first_use(__name__)

@@ -5,27 +5,28 @@ material.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import BELIEF_KINDS
 from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
+    PACE_NAMES,
     PLATE_NAMES,
     SURFACE,
     SurfaceParameters,
     floor_field,
     owned_shapes,
+    worn_share,
 )
+from cyclemap.evidence.identified_words import misfit_words, provenance_words
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -44,7 +45,8 @@ from cyclemap.mechanics.material import (
     FloorSession,
     shape_numbers,
 )
-from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Unit
+
+T = TypeVar("T")
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
@@ -57,8 +59,6 @@ _FOUND_UNITS = {
     "pusher_mu": ("pusher_friction", 1.0),
     "pin_friction_mm": ("pin_friction_radius", 1e3),
 }
-# What people are told SI units in.
-_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
 WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 
@@ -166,11 +166,12 @@ def sampled_values(
     friction ellipse are left out.
     """
     whole_number("draws", count, least=1)
-    errors, space = found.uncertainty, found.problem.space
+    errors = found.uncertainty
+    space = found.problem.space
     spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
     spread /= student_quantile(found.level, 1e9)
     size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
-    squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
+    squares, vectors = np.linalg.eigh(errors.correlation)
     root = vectors * np.sqrt(np.maximum(squares, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
     drawn = []
@@ -178,6 +179,7 @@ def sampled_values(
         values = found.problem.values(vector)
         with suppress(InvalidInput):
             SurfaceParameters.from_values(values).to_friction()
+            worn_friction_of(values)
             drawn.append(values)
     return tuple(drawn)
 
@@ -192,25 +194,29 @@ def derived_quantities(
     offset, bow) may be zero by Hotelling's test, its direction is not known and its size has its
     least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
-    sampled = [SurfaceParameters.from_values(one) for one in sampled_values(found, draws, seed)]
-    free, best, told = found.problem.space.names, SurfaceParameters.from_values(found.values), []
+    drawn = [SurfaceParameters.from_values(draw) for draw in sampled_values(found, draws, seed)]
+    free = found.problem.space.names
+    best = SurfaceParameters.from_values(found.values)
     ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
+    derived = []
     for name, description, of, unit, period, least, quantity in _QUANTITIES:
-        parts = [one for one in SURFACE.names if one.startswith(of)]
-        if not {*free} >= {*parts} or not sampled:
+        parameters = [parameter for parameter in SURFACE.names if parameter.startswith(of)]
+        if not drawn or not {*free} >= {*parameters}:
             continue
-        value, sample = quantity(best), np.array([quantity(one) for one in sampled])
-        vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
+        value = quantity(best)
+        off = np.array([quantity(surface) for surface in drawn]) - value
+        vanishes = len(parameters) == 2 and _may_vanish(found, [*map(free.index, parameters)])
         if period:
-            around = value + (sample - value + 0.5 * period) % period - 0.5 * period
-            lower, upper = np.quantile(around, ends).tolist()
+            off = (off + 0.5 * period) % period - 0.5 * period
+        lower, upper = (value + np.quantile(off, ends)).tolist()
+        known = True
+        if period:
             known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
-            told.append(Derived(name, description, unit, value, lower, upper, known))
         else:
-            lower, upper = np.quantile(sample, ends).tolist()
             lower = least if vanishes else min(lower, value)
-            told.append(Derived(name, description, unit, value, lower, max(upper, value)))
-    return tuple(told)
+            upper = max(upper, value)
+        derived.append(Derived(name, description, unit, value, lower, upper, known))
+    return tuple(derived)
 
 
 def _may_vanish(found: Identification, index: list[int]) -> bool:
@@ -218,7 +224,8 @@ def _may_vanish(found: Identification, index: list[int]) -> bool:
     F(2, freedom)."""
     from scipy.stats import f
 
-    vector, errors = found.fit.vector[index], found.uncertainty
+    vector = found.fit.vector[index]
+    errors = found.uncertainty
     covariance = errors.covariance[np.ix_(index, index)]
     if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
         return True
@@ -274,38 +281,32 @@ def identified_curves(
 ) -> IdentifiedCurves:
     """Compute what is drawn of an identification; `scans` : (s, 2) tractions
     of its friction scans."""
-    laws = [
-        SurfaceParameters.from_values(one).to_friction()
-        for one in sampled_values(found, _BAND_DRAWS, seed)
-    ]
     worn = worn_friction_of(found.values)
-    strokes, cycles = [], []
-    for number, block in enumerate(found.problem.blocks):
-        errors = found.fit.residuals[found.problem.block_index == number]
+    samples = []
+    for values in sampled_values(found, _BAND_DRAWS, seed):
+        samples.append(_outline(SurfaceParameters.from_values(values).to_friction()))
+    strokes = []
+    cycles = []
+    for index, block in enumerate(found.problem.blocks):
         if block.motions is None:
             continue
         theta, turn = block.motions.T
         if block.curve is None:
             # Each stroke's last row is its turn, those before its place.
+            errors = found.fit.residuals[found.problem.block_index == index]
             *place, off = errors.reshape(turn.size, -1).T
-            strokes.append(
-                StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None)
-            )
+            ends = np.stack(place, -1) if place else None
+            strokes.append(StrokeFit(block.name, turn, turn + off, ends))
         else:
-            values, wears = (
-                block.own_values(found.values),
-                any(one.startswith("worn_") for one in block.parameters),
-            )
+            values = block.own_values(found.values)
+            wears = any(name.startswith("worn_") for name in block.parameters)
             late = block.curve(values, _AROUND, True) if wears else None
-            cycles.append(
-                CycleFit(
-                    block.name, theta, turn, _AROUND, block.curve(values, _AROUND, False), late
-                )
-            )
+            fitted = block.curve(values, _AROUND, False)
+            cycles.append(CycleFit(block.name, theta, turn, _AROUND, fitted, late))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
-        np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
+        np.reshape(samples, (-1, _AROUND.size, 2)),
         scans,
         "friction_scale" in found.problem.space.names,
         tuple(strokes),
@@ -323,6 +324,27 @@ def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
         if name.startswith("worn_")
     }
     return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
+
+
+def _worn_floor(found: Identification) -> SurfaceShape:
+    """Return the floor's mean shape, changed as the session of the cycles was changed by wear."""
+    worn = owned_shapes(found.values, WORN_FLOOR)[""]
+    cycles = next(block for block in found.problem.blocks if PACE_NAMES[0] in block.parameters)
+    for session, fresh in found.floors.items():
+        if f"floor_dome[{session}]" in cycles.parameters:
+            bend = found.floors[""].bend + worn.bend - fresh.bend
+            return SurfaceShape.of_bend(*bend.tolist())
+    return worn
+
+
+def _course(values: Mapping[str, float], last_cycle: float) -> tuple[tuple[float, float], ...]:
+    """How much of the wear is done after some cycles, as `Wear` takes it."""
+    pace = [values[name] for name in PACE_NAMES if name in values]
+    elapsed = np.arange(1, len(pace)) / max(len(pace), 1)
+    if elapsed.size == 0:
+        return ()
+    shares = worn_share(pace, elapsed)[0]
+    return tuple(zip((last_cycle * elapsed).tolist(), shares.tolist(), strict=True))
 
 
 def _outline(law: EllipseFriction) -> Array:
@@ -379,32 +401,33 @@ def identified_material(
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
-    asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
-    told = {
+    asked = {name.partition("[")[0] for block in found.problem.blocks for name in block.parameters}
+    rod_and_ring = {
         field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked
     }
-    worn, shifts = worn_friction_of(found.values), dict[str, list[float]]()
+    worn = worn_friction_of(found.values)
+    shifts = dict[str, list[float]]()
     for key, value in found.values.items():
-        if key.startswith(("tip_offset_x", "tip_offset_y")):
-            own = key.partition("[")[2].rstrip("]") or plate
-            shifts.setdefault(own, [0.0, 0.0])[key.startswith("tip_offset_y")] = value
+        if key.startswith("tip_offset_"):
+            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
+            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
     floors = found.floors
     before = Material(name, found.friction()) if floor is None else floor
-    plates = [PlatePressure(named or plate, shape=shape) for named, shape in found.plates.items()]
+    plates = [PlatePressure(owner or plate, shape=shape) for owner, shape in found.plates.items()]
     sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
-    frames = [FrameShift(named, *shift) for named, shift in sorted(shifts.items())]
+    frames = [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
     wear = None
     if worn is not None and last_cycle > 0.0:
-        wear = Wear(worn, last_cycle, floor=owned_shapes(found.values, WORN_FLOOR)[""])
+        wear = Wear(worn, last_cycle, _course(found.values, last_cycle), _worn_floor(found))
     material = Material(
         name,
         found.friction(),
         provenance_words(found, sources),
         misfit_words(found),
         inferred=True,
-        found_with=FoundWith(**{**vars(before.found_with), **told}),
+        found_with=replace(before.found_with, **rod_and_ring),
         plates=_joined(
-            [one for one in before.plates if not any(one.shares.values())], plates, "plate"
+            [known for known in before.plates if not any(known.shares.values())], plates, "plate"
         ),
         wear=wear,
         frames=_joined(before.frames, frames, "plate"),
@@ -417,12 +440,12 @@ def identified_material(
     return replace(material, posterior=_posterior(found, material, plate, before.posterior))
 
 
-def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, ...]:
+def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:
     """What was known, each of a name of its own, then what is new, which takes the place of what
     has its name.
     """
-    names = {getattr(one, key) for one in new}
-    return (*(one for one in before if getattr(one, key) not in names), *new)
+    names = {getattr(row, key) for row in new}
+    return (*(row for row in before if getattr(row, key) not in names), *new)
 
 
 def _posterior(
@@ -432,12 +455,11 @@ def _posterior(
 
     before : samples of what was known; those of plates that the data are not of stay.
     """
-    rows, rng = list[dict[str, float]](), np.random.default_rng(0)
-    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
-        row, worn = (
-            _ellipse(SurfaceParameters.from_values(values).to_friction()),
-            worn_friction_of(values),
-        )
+    rows = list[dict[str, float]]()
+    rng = np.random.default_rng(0)
+    for index, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
+        row = _ellipse(SurfaceParameters.from_values(values).to_friction())
+        worn = worn_friction_of(values)
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
         off = rng.standard_normal(3) * found.session_spread
         floors = owned_shapes(values, FLOOR_NAMES)
@@ -450,16 +472,14 @@ def _posterior(
         for key, (name, factor) in _FOUND_UNITS.items():
             if name in values and getattr(material.found_with, name) is not None:
                 row[key] = factor * values[name]
-        for named, shape in owned_shapes(values, PLATE_NAMES).items():
-            row |= {
-                f"{named or plate}.{key}": size
-                for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items()
-            }
+        for owner, shape in owned_shapes(values, PLATE_NAMES).items():
+            for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items():
+                row[f"{owner or plate}.{key}"] = size
         if before is not None:
-            old = zip(before.parameters, before.samples[number % len(before)], strict=True)
+            known = zip(before.parameters, before.samples[index % len(before)], strict=True)
             kept = {
                 key: value
-                for key, value in old
+                for key, value in known
                 if key in _FOUND_UNITS or material.pressure_of(key.partition(".")[0])
             }
             row = kept | row
@@ -473,90 +493,3 @@ def _ellipse(law: EllipseFriction) -> dict[str, float]:
         **{key: getattr(law, key) for key in ("mu_a", "mu_b", "m0", "n0")},
         "phi_deg": math.degrees(law.phi),
     }
-
-
-def provenance_words(found: Identification, sources: Sequence[str]) -> str:
-    """Return where the numbers come from, in one paragraph."""
-    blocks = [block for block in found.problem.blocks if not {*block.kinds} & {*BELIEF_KINDS}]
-    data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
-    origin = f" in {', '.join(sources)}" if sources else ""
-    told = []
-    for one in found.lasting:
-        unit = readable_unit(one.unit)
-        value, lower, upper = (
-            f"{round(unit.of_si(number), 6):.4g}" for number in (one.value, one.lower, one.upper)
-        )
-        words = (
-            f"{value} ({lower} to {upper}){unit.sign}" if one.identifiable else "not identifiable"
-        )
-        told.append(f"{one.name} {words}")
-    free = "; ".join(told)
-    text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
-    if found.priors:
-        text += f"; believed beforehand, in SI units: {belief_words(found.priors)}"
-    held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
-    return text + (f"; held: {held}" if held else "")
-
-
-def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
-    """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions
-    are told once.
-
-    >>> domes = {"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0)}
-    >>> belief_words({**domes, "plate_warp_x[hex]": (2.0, 0.5)})
-    'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
-    """
-    told = list[str]()
-    for plain in dict.fromkeys(name.partition("[")[0] for name in beliefs):
-        own = {name: belief for name, belief in beliefs.items() if name.partition("[")[0] == plain}
-        if len({*own.values()}) == 1:
-            own = {plain: next(iter(own.values()))}
-        told += [f"{name} {mean:.4g} +- {deviation:.4g}" for name, (mean, deviation) in own.items()]
-    return ", ".join(told)
-
-
-def misfit_words(found: Identification) -> str:
-    """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks
-    their ranges.
-    """
-    sentences = []
-    for named in dict.fromkeys(one.kind for one in found.errors):
-        kind, unit = readable_kind(named)
-        alike = [one for one in found.errors if one.kind == named]
-        if len(alike) > 2:
-            beside = []
-            for word, size in (
-                ("", "mean"),
-                ("left out ", "left_out_mean"),
-                ("isotropic ", "isotropic_mean"),
-            ):
-                sizes = [
-                    unit.of_si(value) for one in alike if (value := getattr(one, size)) == value
-                ]
-                beside += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
-            told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit.sign}"
-            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
-            continue
-        for one in alike:
-            left_out, isotropic = one.left_out_mean, one.isotropic_mean
-            beside = [f"{unit.of_si(left_out):.3g} left out"] if left_out == left_out else []
-            beside += [f"isotropic {unit.of_si(isotropic):.3g}"] if isotropic == isotropic else []
-            told = f"{one.block}, {kind}: {unit.of_si(one.mean):.3g}{unit.sign}"
-            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
-    return "; ".join(sentences)
-
-
-def readable_kind(kind: str) -> tuple[str, Unit]:
-    """Return a kind of noise without its unit, and the unit that it is told in.
-
-    >>> kind, unit = readable_kind("push place (m)")
-    >>> kind, unit.sign
-    ('push place', ' mm')
-    """
-    found = re.fullmatch(r"(.*) \((\S+)\)", kind)
-    return (kind, NUMBER) if found is None else (found[1], readable_unit(found[2]))
-
-
-def readable_unit(unit: str) -> Unit:
-    """Return the unit that people are told numbers of an SI unit in."""
-    return _READABLE.get(unit, Unit(unit, float))

@@ -25,7 +25,7 @@ from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
-from cyclemap.evidence.pushes.planned_table import (
+from cyclemap.evidence.tables.planned_table import (
     ERRORS,
     IN_OBJECT,
     ROD,

@@ -12,21 +12,22 @@ import cmath
 import math
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from cyclemap.arrays import Array, Mask, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.evidence.predicted_strokes import predicted_push_ends
-from cyclemap.evidence.pushes.columns import DEGREE, LENGTH_UNITS, RODS
-from cyclemap.evidence.pushes.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
+from cyclemap.evidence.predicted_strokes import predicted_motions, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push
 from cyclemap.evidence.pushes.push_table import PushTable
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider, load_material
+from cyclemap.evidence.tables.columns import DEGREE, LENGTH_UNITS, RODS
+from cyclemap.evidence.tables.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, QuasiStaticModel, Slider, load_material
 from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
@@ -35,25 +36,34 @@ if TYPE_CHECKING:
 # Another reading beats the one taken where its median distance is this share of it or less, another
 # unit where it is that share: measured, a right reading lies 2 to 15 mm off on floors, a wrong one
 # 60 to 200 mm.
-_BEATEN, _BEATEN_UNIT = 0.5, 0.3
+_BEATEN = 0.5
+_BEATEN_UNIT = 0.3
 # Of readings within this factor and distance (m) of the best the simplest is named.
-_HARDLY, _NOTHING = 1.4, 5e-4
+_HARDLY = 1.4
+_NOTHING = 5e-4
 _SAME_ANGLE = math.radians(2.0)
 # Fewer pushes tell a reading from chance no more; more than so many tell nothing new.
-FEWEST, _MOST = 6, 400
+FEWEST = 6
+_MOST = 400
 # Objects that are told of one by one.
 _MOST_TOLD = 2
 # Shares of how far pushes move the object, turns by its lever: a reading nearer than the first
 # explains enough for any friction; one beyond the second, or with another zero of angles beyond the
 # third, explains nothing, be it the best; and of one beyond the last it is told.
-_WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
+_WELL = 0.04
+_EXPLAINS = 0.4
+_EXPLAINS_TURNED = 0.25
+_FAR = 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where
 # directions are spread.
-_LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
+_LEAST_OFFSET = math.radians(20.0)
+_SPREAD = 0.8
 # Another point of the object explains motions where it leaves this share of what any other reading
 # does, and pushes turn the object by so much (rad); lengths are in no unit where they are off by
 # this factor's logarithm.
-_CLEARLY, _LEAST_SWEPT, _SCALED = 0.8, 0.2, 0.1
+_CLEARLY = 0.8
+_LEAST_SWEPT = 0.2
+_SCALED = 0.1
 # No point of an object lies further from its origin than so many of its levers.
 _WITHIN = 2.2
 _TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
@@ -101,7 +111,9 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
         return ()
-    said, checks, convention = list[str](), list[MotionCheck](), pushes.convention
+    said = list[str]()
+    checks = list[MotionCheck]()
+    convention = pushes.convention
     followed = pushes.table[pushes.table["theta_next"].notna()]
     if len(followed) and followed["dtheta"].isna().all():
         now, later = followed[["theta0", "theta_next"]].to_numpy().T
@@ -110,21 +122,23 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         known = _loop_of(name, loop)
         has_rods = bool(rows[[*RODS]].notna().all(axis=None))
         if rows["fraction"].isna().all() and rows["side"].nunique() > 1 and not has_rods:
-            told = (
+            doubt = (
                 "pushes on several sides, and no column tells where on them: add fraction (0 to 1 "
+                "from a side's first corner), or the rod's places; the collection's is taken"
             )
-            mend = "from a side's first corner), or the rod's places; the collection's is taken"
-            warnings.warn(told + mend, DoubtfulInput, stacklevel=2)
+            warnings.warn(doubt, DoubtfulInput, stacklevel=2)
         if loop is None and not rows[["side", "fraction"]].notna().all(axis=None):
             known = None
-        found = check_motion(rows, known, convention, pushes.convention_told)
-        checks += [] if found is None else [found]
+        check = check_motion(rows, known, convention, pushes.convention_told)
+        checks += [] if check is None else [check]
     if len(checks) <= _MOST_TOLD:
         return tuple(dict.fromkeys((*said, *(check.words for check in checks))))
-    low, high = (1e3 * end(check.distance for check in checks) for end in (min, max))
-    told = f"read with {convention.words()}: pushes of {len(checks)} objects end"
-    told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
-    return (*said, told + any(check.by_rod for check in checks) * _BY_ROD)
+    distances = [1e3 * check.distance for check in checks]
+    words = (
+        f"read with {convention.words()}: pushes of {len(checks)} objects end "
+        f"{min(distances):.3g} to {max(distances):.3g} mm off isotropic friction's, in the medians"
+    )
+    return (*said, words + any(check.by_rod for check in checks) * _BY_ROD)
 
 
 def _plain(loop: CollectionLoop) -> CollectionLoop:
@@ -156,7 +170,8 @@ def check_orientations(
     if theta.size < FEWEST or not isinstance(loop, CollectionLoop) or not convention.is_ours:
         return said
     chosen = evenly_spread(theta.size, _MOST)
-    coarse, off = replace(loop, accuracy=1e-6), dict[str, float]()
+    coarse = replace(loop, accuracy=1e-6)
+    off = dict[str, float]()
     for name, (sense, zero) in ANGLES.items():
         before, after = (sense * angle[chosen] + zero for angle in (theta, theta_next))
         off[name] = float(np.median(np.abs(shorter_way(after - coarse.next_theta(before)))))
@@ -164,15 +179,13 @@ def check_orientations(
     # Where the zero of angles makes no difference the plainer one is named.
     best = next(name for name in off if off[name] <= _HARDLY * min(off.values()) + _SAME_ANGLE)
     if off[best] < _BEATEN * here and here > _LEAST_OFFSET:
-        told = (
+        raise OtherConvention(
             f"cycles lie {math.degrees(here):.3g}° from the map of {loop.material.name}, in "
             f"the median of {len(chosen)}"
-        )
-        mend = (
+            f"; counted {best}, {math.degrees(off[best]):.3g}°: "
             f"give --angles {best} if they are counted so (in collection.toml: [data] angles "
             f'= "{best}")'
         )
-        raise OtherConvention(f"{told}; counted {best}, {math.degrees(off[best]):.3g}°: {mend}")
     return said
 
 
@@ -189,7 +202,7 @@ class _Reading:
         inverse.
         """
         x, y = self.convention.place(written.real, written.imag)
-        return np.asarray(self.length * (x + 1j * y))
+        return self.length * (x + 1j * y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +224,8 @@ class _Written:
     @classmethod
     def of(cls, rows: pandas.DataFrame, convention: Convention) -> _Written:
         x0, y0, theta, x1, y1, turn = rows[_POSES].to_numpy(dtype=float).T
-        ends, ours = rows[[*RODS]].to_numpy(dtype=float), _Reading(convention)
+        ends = rows[[*RODS]].to_numpy(dtype=float)
+        ours = _Reading(convention)
         return cls(
             rows,
             ours.place(x0 + 1j * y0),
@@ -220,6 +234,16 @@ class _Written:
             convention.sense * turn,
             ours.place(ends[:, ::2] + 1j * ends[:, 1::2]),
         )
+
+    @property
+    def count(self) -> int:
+        """How many pushes."""
+        return len(self.rows)
+
+    @property
+    def is_spread(self) -> bool:
+        """Whether directions are spread enough to tell a zero of angles."""
+        return bool(abs(np.exp(1j * self.angle).mean()) <= _SPREAD)
 
     @property
     def has_tips(self) -> bool:
@@ -244,7 +268,7 @@ class _Looked:
     others that are as good.
     """
 
-    test: _Predicted
+    test: _Test
     taken: _Reading
     here: float
     best: float
@@ -252,13 +276,13 @@ class _Looked:
     twins: list[_Reading]
 
     @classmethod
-    def at(cls, test: _Predicted, taken: _Reading) -> _Looked:
-        found = [(test.distance(reading), reading) for reading in test.readings(taken)]
-        enough = _HARDLY * min((distance for distance, _ in found), default=math.inf) + _NOTHING
+    def at(cls, test: _Test, taken: _Reading) -> _Looked:
+        others = [(test.distance(reading), reading) for reading in test.readings(taken)]
+        enough = _HARDLY * min((distance for distance, _ in others), default=math.inf) + _NOTHING
         # They come by how much they change: the first that is hardly worse than the best is taken.
-        best, other = next((near for near in found if near[0] <= enough), (math.inf, taken))
+        best, other = next((near for near in others if near[0] <= enough), (math.inf, taken))
         enough = _HARDLY * best + _NOTHING
-        twins = [reading for distance, reading in found if reading != other and distance <= enough]
+        twins = [reading for distance, reading in others if reading != other and distance <= enough]
         return cls(test, taken, test.distance(taken), best, other, twins)
 
     @property
@@ -268,7 +292,8 @@ class _Looked:
 
     def explains(self, moved: float) -> bool:
         """Whether the other reading explains motions, of size `moved` (m), far better."""
-        other, here = self.other, self.here
+        other = self.other
+        here = self.here
         limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
         most = (_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length * moved
         far_better = self.best <= min(limit * here, most) and here > _WELL * moved
@@ -279,7 +304,7 @@ def check_motion(
     table: pandas.DataFrame,
     loop: CollectionLoop | None,
     convention: Convention = OURS,
-    told: bool = False,
+    is_told: bool = False,
 ) -> MotionCheck | None:
     """Test the reading of pushes, rows of `PushTable.table`, against their motions; None where
     these cannot tell.
@@ -287,7 +312,7 @@ def check_motion(
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
         own frame, which tells whether angles and axes turn the same way, not which way that is.
     convention : in which the table was read.
-    told : whether somebody said it, who is then warned, not refused.
+    is_told : whether somebody said it, who is then warned, not refused.
 
     Raises OtherConvention where another reading explains the motions far better, with the options
     that say it.
@@ -296,11 +321,12 @@ def check_motion(
     if len(rows) < FEWEST:
         return None
     written = _Written.of(rows.iloc[evenly_spread(len(rows), _MOST)], convention)
-    test = _Alike(written) if loop is None else _prediction(written, loop)
-    if test is None or test.count < FEWEST:
+    test = _alike(written) if loop is None else _prediction(written, loop)
+    if test is None or test.written.count < FEWEST:
         return None
     moved = float(np.median(np.hypot(np.abs(written.moved), test.lever * written.turn)))
-    looked, by_rod = _Looked.at(test, _Reading(convention)), False
+    looked = _Looked.at(test, _Reading(convention))
+    by_rod = False
     if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
         looked, by_rod = _by_rod(looked, written, loop)
     off_centre = looked.test.off_centre(
@@ -308,7 +334,7 @@ def check_motion(
     )
     if looked.explains(moved) or off_centre:
         line = off_centre or _refusal(looked)
-        if not told:
+        if not is_told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
     elif loop is not None and looked.test.lengths_known:
@@ -322,7 +348,7 @@ def _by_rod(looked: _Looked, written: _Written, loop: CollectionLoop) -> tuple[_
     """
     if not written.has_tips:
         return looked, False
-    of_rod = _Looked.at(_WithTips(written, _plain(loop)), looked.taken)
+    of_rod = _Looked.at(_WithTips.on(written, _plain(loop)), looked.taken)
     # A zero of angles that is free to be anything explains pushes that are alike, wherever they
     # were made.
     share = 1.0 if looked.is_turned else _BEATEN
@@ -334,24 +360,28 @@ def _by_rod(looked: _Looked, written: _Written, loop: CollectionLoop) -> tuple[_
 def _doubt_far(looked: _Looked, limit: float) -> None:
     """Warn where no reading comes nearer than `limit`, m."""
     if min(looked.here, looked.best) > limit:
-        far = (
+        doubt = (
             f"{looked.test.what} {1e3 * looked.here:.3g} mm off in the median, and not less than "
-            f"{1e3 * looked.best:.3g} mm in any reading"
+            f"{1e3 * looked.best:.3g} mm in any reading: are object, push and units those of the "
+            "data?"
         )
-        doubt = f"{far}: are object, push and units those of the data?"
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
 
 
 def _refusal(looked: _Looked) -> str:
     """What is wrong, and the words that mend it."""
-    test, other, taken = looked.test, looked.other.convention, looked.taken.convention
-    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.count} pushes"
+    test = looked.test
+    other = looked.other.convention
+    taken = looked.taken.convention
+    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.written.count} pushes"
     nearer = f"{1e3 * looked.best:.3g} mm"
     scale = looked.other.length
     if looked.other.angle == 1.0 and _is_no_unit(scale):
         also = f", with {other.options()}" if other != taken else ""
-        told = f"were its lengths {scale:.3g} times as long{also}, {nearer}"
-        return f"{off}; {told}: are they pixels? Multiply them by the length of one first"
+        return (
+            f"{off}; were its lengths {scale:.3g} times as long{also}, {nearer}: are they pixels? "
+            "Multiply them by the length of one first"
+        )
     if scale != 1.0 or looked.other.angle != 1.0:
         unit, kind = _unit(looked.other)
         also = f" {other.options()}" if other != taken else ""
@@ -393,20 +423,20 @@ def _is_no_unit(scale: float) -> bool:
 
 
 def _words(looked: _Looked) -> str:
-    taken, other = looked.taken.convention, looked.other.convention
+    taken = looked.taken.convention
+    other = looked.other.convention
     here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
-    told = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
+    words = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
     if looked.best <= looked.here / _BEATEN and other != taken:
-        mirror = f"motions cannot tell that from {other.words()} ({best}): that is assumed"
-        return f"{told}; {mirror}"
-    return f"{told}, {best} in the next best reading"
+        return f"{words}; motions cannot tell that from {other.words()} ({best}): that is assumed"
+    return f"{words}, {best} in the next best reading"
 
 
 def _conventions() -> list[Convention]:
     """All that have a name, those that change least first."""
     every = [Convention(angles, frame) for angles, frame in product(ANGLES, FRAMES)]
     return sorted(
-        every, key=lambda one: (one.angles != "counter-clockwise") + (one.frame != RIGHT_HANDED)
+        every, key=lambda way: (way.angles != "counter-clockwise") + (way.frame != RIGHT_HANDED)
     )
 
 
@@ -415,26 +445,23 @@ def _middle(motion: Array) -> complex:
     return complex(np.median(motion.real), np.median(motion.imag))
 
 
-class _Predicted:
-    """Pushes whose motion in the object's own frame a loop predicts."""
+@dataclass(frozen=True, eq=False)
+class _Test:
+    """Pushes as they are written, whose motions tell how well a reading fits.
 
-    what = "pushes end, beside isotropic friction's,"
+    lever : of the object, m, by which turns count as distances.
+    lengths_known : whether it is known how far rods went.
+    """
 
-    def __init__(
-        self, written: _Written, motion: Array, turn: Array, lever: float, lengths_known: bool
-    ) -> None:
-        self.written, self.motion, self.turn, self.lever = written, motion, turn, lever
-        self.lengths_known, self.count = lengths_known, len(turn)
-        # Directions that are spread tell a zero of angles.
-        self.is_spread = abs(np.exp(1j * written.angle).mean()) <= _SPREAD
+    what: ClassVar[str] = "pushes end, beside isotropic friction's,"
+
+    written: _Written
+    lever: float
+    lengths_known: bool = False
 
     def distances(self, reading: _Reading) -> Array:
         """How far off each push is (n,), m: place, and turn by the object's lever."""
-        _, motion, turn = self.written.read(reading)
-        away = np.abs(motion - self.motion)
-        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
-        off = 0.0 if reading.angle != 1.0 else self.lever * (turn - self.turn)
-        return np.asarray(np.hypot(away, off))
+        raise NotImplementedError
 
     def distance(self, reading: _Reading) -> float:
         """The median of `distances`."""
@@ -447,34 +474,7 @@ class _Predicted:
     def readings(self, taken: _Reading) -> list[_Reading]:
         """All others than the one taken."""
         named = [convention for convention in _conventions() if convention != taken.convention]
-        turned = self._turned(taken) if self.is_spread else []
-        found = [_Reading(convention) for convention in (*named, *turned)]
-        lengths = LENGTH_UNITS.values() if self.lengths_known else ()
-        factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
-        usual = float(np.median(np.abs(self.written.moved)))
-        scale = float(np.median(np.abs(self.motion))) / usual if usual > 0.0 else math.inf
-        factors += [scale] if math.isfinite(scale) and scale > 0.0 and _is_no_unit(scale) else []
-        for convention in (taken.convention, *_conventions()):
-            found += [_Reading(convention, length=factor) for factor in factors]
-            found += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
-        return found
-
-    def _turned(self, taken: _Reading) -> list[Convention]:
-        """The two senses, each with the zero of its angles where motions want it."""
-        found = []
-        for convention in _conventions():
-            if convention.angles == "compass" or convention.frame == "swapped":
-                continue
-            _, motion, _ = self.written.read(_Reading(convention))
-            zero = cmath.phase(_middle(motion / self.motion))
-            offset = math.radians(round(math.degrees(zero)))
-            off = [
-                math.remainder(offset - one, 2.0 * math.pi)
-                for one in (0.0, taken.convention.offset)
-            ]
-            if min(map(abs, off)) > _LEAST_OFFSET:
-                found.append(replace(convention, offset=offset))
-        return found
+        return [_Reading(convention) for convention in named]
 
     def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
         """What is wrong where the places are those of another point of the object than its origin,
@@ -482,9 +482,59 @@ class _Predicted:
 
         moved : m, the size of motions.
         """
+        return ""
+
+    def alternative(self, taken: _Reading) -> str:
+        """What else would do; nothing."""
+        return ""
+
+
+@dataclass(frozen=True, eq=False)
+class _Predicted(_Test):
+    """Pushes whose motion (n,), complex, and turn (n,) in the object's own frame a loop predicts."""
+
+    motion: Array = field(kw_only=True)
+    turn: Array = field(kw_only=True)
+
+    def distances(self, reading: _Reading) -> Array:
+        _, motion, turn = self.written.read(reading)
+        away = np.abs(motion - self.motion)
+        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
+        off = 0.0 if reading.angle != 1.0 else self.lever * (turn - self.turn)
+        return np.hypot(away, off)
+
+    def readings(self, taken: _Reading) -> list[_Reading]:
+        others = super().readings(taken)
+        if self.written.is_spread:
+            others += [_Reading(convention) for convention in self._turned(taken)]
+        lengths = LENGTH_UNITS.values() if self.lengths_known else ()
+        factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
+        usual = float(np.median(np.abs(self.written.moved)))
+        scale = float(np.median(np.abs(self.motion))) / usual if usual > 0.0 else 0.0
+        factors += [scale] if scale > 0.0 and _is_no_unit(scale) else []
+        for convention in (taken.convention, *_conventions()):
+            others += [_Reading(convention, length=factor) for factor in factors]
+            others += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
+        return others
+
+    def _turned(self, taken: _Reading) -> list[Convention]:
+        """The two senses, each with the zero of its angles where motions want it."""
+        turned = []
+        for convention in _conventions():
+            if convention.angles == "compass" or convention.frame == "swapped":
+                continue
+            _, motion, _ = self.written.read(_Reading(convention))
+            zero = cmath.phase(_middle(motion / self.motion))
+            offset = math.radians(round(math.degrees(zero)))
+            off = [shorter_way(offset - known) for known in (0.0, taken.convention.offset)]
+            if np.min(np.abs(off)) > _LEAST_OFFSET:
+                turned.append(replace(convention, offset=offset))
+        return turned
+
+    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
         _, motion, turn = self.written.read(taken)
         swept = np.exp(1j * turn) - 1.0
-        if len(self.motion) == 0 or float(np.median(np.abs(swept))) < _LEAST_SWEPT:
+        if float(np.median(np.abs(swept))) < _LEAST_SWEPT:
             return ""
         off = motion - self.motion
         point = _middle(off / np.where(swept == 0.0, math.inf, swept))
@@ -494,37 +544,23 @@ class _Predicted:
         alike = float(np.median(np.abs(off - _middle(off))))
         least = (_EXPLAINS if left > _CLEARLY * alike else _WELL) * moved
         is_other = left <= _CLEARLY * limit and abs(point) <= _WITHIN * self.lever
-        if not is_other or self.distance(taken) <= least:
+        here = self.distance(taken)
+        if not is_other or here <= least:
             return ""
-        where = f"({1e3 * point.real:.3g}, {1e3 * point.imag:.3g}) mm"
-        told = (
-            f"{self.what} {1e3 * self.distance(taken):.3g} mm off in the median; {1e3 * left:.3g}"
+        return (
+            f"{self.what} {1e3 * here:.3g} mm off in the median; {1e3 * left:.3g} mm, were its "
+            f"places those of a point of the object ({1e3 * point.real:.3g}, "
+            f"{1e3 * point.imag:.3g}) mm from its origin: give the poses of its origin, or the "
+            "outline in the frame of that point"
         )
-        mend = "give the poses of its origin, or the outline in the frame of that point"
-        apart = f"a point of the object {where} from its origin"
-        return f"{told} mm, were its places those of {apart}: {mend}"
-
-    def alternative(self, taken: _Reading) -> str:
-        """What else would do; nothing."""
-        return ""
 
 
-class _Alike(_Predicted):
+class _Alike(_Test):
     """Pushes at one place of one object, told by no loop: they move it alike in its own frame,
     whatever that is.
     """
 
     what = "pushes that should be alike lie, in the object's own frame,"
-
-    def __init__(self, written: _Written) -> None:
-        labels = written.rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
-        largest = (labels == labels.value_counts(sort=False).idxmax()).to_numpy()
-        super().__init__(written.where(largest), np.zeros(0), np.zeros(0), 0.0, False)
-        self.count = int(largest.sum())
-
-    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
-        """Nothing: alike are pushes of any point."""
-        return ""
 
     def distances(self, reading: _Reading) -> Array:
         """How far each push is from the median of all (n,), m."""
@@ -533,7 +569,7 @@ class _Alike(_Predicted):
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         """The other sense of angles, and other units of them."""
-        if not self.is_spread:
+        if not self.written.is_spread:
             return []
         angles = "clockwise" if taken.convention.sense > 0.0 else "counter-clockwise"
         other = _Reading(replace(taken.convention, angles=angles))
@@ -548,66 +584,75 @@ class _Alike(_Predicted):
         )
 
 
-class _WithTips(_Predicted):
+def _alike(written: _Written) -> _Alike:
+    """The pushes at the place that has most of them."""
+    labels = written.rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
+    largest = (labels == labels.value_counts(sort=False).idxmax()).to_numpy()
+    return _Alike(written.where(largest), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _WithTips(_Test):
     """Pushes whose contact is told by the rod's places alone: what a loop predicts depends on the
     reading.
     """
 
-    def __init__(self, written: _Written, loop: CollectionLoop) -> None:
-        super().__init__(written, np.zeros(0), np.zeros(0), 0.5 * loop.slider.outline.extent, False)
-        self.model, self.count = replace(loop, accuracy=1e-4).model, len(written.turn)
+    model: QuasiStaticModel = field(kw_only=True)
+
+    @classmethod
+    def on(cls, written: _Written, loop: CollectionLoop) -> _WithTips:
+        """The pushes on a loop's object."""
+        lever = 0.5 * loop.slider.outline.extent
+        return cls(written, lever, model=replace(loop, accuracy=1e-4).model)
 
     def distances(self, reading: _Reading) -> Array:
         theta, _, turn = self.written.read(reading)
-        place, tips = reading.place(self.written.place), reading.place(self.written.tips)
-        predicted = np.array(
-            [
-                self._end(*push)
-                for push in zip(place.tolist(), theta.tolist(), *tips.T.tolist(), strict=True)
-            ]
-        )
-        away = np.abs(place + reading.place(self.written.moved) - predicted[:, 0])
-        return np.asarray(np.hypot(away, self.lever * (theta + turn - predicted[:, 1].real)))
+        place = reading.place(self.written.place)
+        tips = reading.place(self.written.tips)
+        pushes = zip(place.tolist(), theta.tolist(), *tips.T.tolist(), strict=True)
+        ends = np.array([self._end(*push) for push in pushes])
+        away = np.abs(place + reading.place(self.written.moved) - ends[:, 0])
+        return np.asarray(np.hypot(away, self.lever * (theta + turn - ends[:, 1].real)))
 
     def _end(
         self, place: complex, theta: float, first: complex, last: complex
     ) -> tuple[complex, float]:
         pose = Pose(place.real, place.imag, theta)
-        tips = (first.real, first.imag), (last.real, last.imag)
+        push = MeasuredPush(pose, pose, (first.real, first.imag), (last.real, last.imag))
         try:
-            x, y, theta = predicted_push_ends(self.model, [MeasuredPush(pose, pose, *tips)])[0][0]
+            x, y, theta = predicted_push_ends(self.model, [push])[0][0]
         except CycleMapError:
             # A rod inside the object: as far off as nothing is.
             return complex(1e3, 1e3), 1e3
         return complex(x, y), theta
 
-    def readings(self, taken: _Reading) -> list[_Reading]:
-        return [
-            _Reading(convention) for convention in _conventions() if convention != taken.convention
-        ]
 
-
-def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
+def _prediction(written: _Written, loop: CollectionLoop) -> _Test | None:
     """The pushes with what isotropic friction makes of them;
     None where it makes nothing of most."""
-    rows, plain = written.rows, _plain(loop)
+    rows = written.rows
+    plain = _plain(loop)
     labelled = rows[["side", "fraction"]].notna().all(axis=None)
     if not labelled and written.has_tips:
-        return _WithTips(written, plain)
-    contacts = rows[_CONTACT].assign(length=rows["length"].round(3))
-    labels = contacts.groupby([*contacts], dropna=False).ngroup().to_numpy()
-    motion, turn = np.full(len(rows), np.nan, dtype=complex), np.full(len(rows), np.nan)
-    for label in np.unique(labels):
-        alike = labels == label
-        length = float(np.median(rows["length"][alike]))
-        try:
-            push = told_push(loop.push, dict(rows[_CONTACT][alike].iloc[0]), length)
-            cycle = replace(plain, push=push).cycle(0.0)
-        except CycleMapError:
-            continue
-        motion[alike], turn[alike] = complex(*cycle.push_displacement), cycle.push_turn
+        return _WithTips.on(written, plain)
+    model = plain.model
+    start = plain.start_pose(0.0)
+    known = []
+    courses = []
+    for index, row in enumerate(rows.to_dict("records")):
+        with suppress(CycleMapError):
+            push = told_push(loop.push, row, row["length"])
+            courses.append(model.course(model.push_strokes(start, push), start))
+            known.append(index)
+    moved = np.full((len(rows), 3), np.nan)
+    moved[known] = predicted_motions(courses, most_failing=1.0)
+    turn = moved[:, 0]
+    motion = moved[:, 1] + 1j * moved[:, 2]
     good = np.isfinite(turn)
     if good.sum() < max(FEWEST, 0.5 * len(rows)):
-        return _WithTips(written, plain) if written.has_tips else None
-    lever, lengths_known = 0.5 * loop.slider.outline.extent, bool(rows["length"].notna().all())
-    return _Predicted(written.where(good), motion[good], turn[good], lever, lengths_known)
+        return _WithTips.on(written, plain) if written.has_tips else None
+    lever = 0.5 * loop.slider.outline.extent
+    lengths_known = bool(rows["length"].notna().all())
+    return _Predicted(
+        written.where(good), lever, lengths_known, motion=motion[good], turn=turn[good]
+    )

@@ -85,12 +85,12 @@ def frame_shift(material: Material, plate: str) -> Place:
 
 
 def push_from_contact(
-    slider: Slider, radius: float, push: SidePush, start: Pose, end: Pose, contact: int = 0
+    slider: Slider, radius: float, push: SidePush, start: Pose, end: Pose
 ) -> MeasuredPush:
     """Return a measured push whose rod, of a radius in m, went from its first touch on."""
     place, way = first_contact(slider, push, radius)
     tips = (start.to_world(*place), start.to_world(*(place + push.distance * way)))
-    return MeasuredPush(start, end, *tips, contact=contact)
+    return MeasuredPush(start, end, *tips)
 
 
 def predicted_ends(
@@ -181,7 +181,8 @@ def predicted_drag_ends(
     Derivatives are by DRAG_NAMES, and with a target by the floor's heights.
     """
     origin = target or _WORLD
-    courses, felt = [], []
+    courses = []
+    felt = []
     for drag in drags:
         begin = _seen_from(drag.start, origin)
         goal_x, goal_y = drag.end.to_world(*model.slider.hitch)
@@ -209,13 +210,15 @@ def _from_first_touch(
     they go, too.
     """
     theta = starts[:, 2]
-    c, s = np.cos(theta), np.sin(theta)
+    c = np.cos(theta)
+    s = np.sin(theta)
     x, y = (np.array([push.tip_start for push in pushes]) + shift - starts[:, :2]).T
     rods = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
     toward = np.array([push.direction for push in pushes]) - theta
     travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, rods, toward)
     for index in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
-        at, pose = pushes[index].tip_start, pushes[index].start
+        at = pushes[index].tip_start
+        pose = pushes[index].start
         raise InvalidInput(
             f"the rod at {at} m lies deep inside the object at {pose}: check the frames"
         )
@@ -239,13 +242,15 @@ def _by_set_up(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array
     """Derivatives of a side push's start, angle and length (extents, rad) by a shift of the rod's
     path (m) and a turn of the object about its origin (rad) while the rod goes as it goes, (3, 3).
     """
-    piece, coordinate = model.curve.pieces[strokes.start_piece], strokes.start_coordinate
-    contact, speed = piece.contact(coordinate, model.radius)
-    c, s = math.cos(contact.normal + theta), math.sin(contact.normal + theta)
-    normal, tangent = np.array((c, s)), np.array((-s, c))
+    piece = model.curve.pieces[strokes.start_piece]
+    contact = piece.contact(strokes.start_coordinate, model.radius)
+    c = math.cos(contact.normal + theta)
+    s = math.sin(contact.normal + theta)
+    normal = np.array((c, s))
+    tangent = np.array((-s, c))
     toward = np.array((math.cos(strokes.direction + theta), math.sin(strokes.direction + theta)))
     longer = normal / (normal @ toward)
-    along = (tangent - (tangent @ toward) * longer) / speed
+    along = (tangent - (tangent @ toward) * longer) / contact.travel
     # The rod keeps its direction where the normal turns.
     by_shift = np.array((along, -contact.turning * along, longer)) / model.unit
     # Seen from the object its turn takes the rod the other way around the origin.
@@ -285,4 +290,4 @@ def in_kpa(slider: Slider, names: Sequence[str], by_engine: Array) -> Array:
     per_kpa = 1.0 / mean_pressure(slider)
     units = [per_kpa if name in ENGINE_NAMES else 1.0 for name in names]
     columns = [PARAMETERS.index(ENGINE_NAMES.get(name, name)) for name in names]
-    return np.asarray(by_engine[..., columns] * units)
+    return by_engine[..., columns] * units

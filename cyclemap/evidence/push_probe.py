@@ -16,24 +16,22 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import optimize, stats
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
-from cyclemap.evidence.laws.linear_fit import fit_linear, fourier_columns
+from cyclemap.evidence.laws.linear_fit import LinearFit, fit_linear, fourier_columns
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Material, Pose
 from cyclemap.mechanics.first_touch import first_contact
 
 Push = Callable[[float], Sequence[float]]
-Place = tuple[float, float]
 EndPose = Callable[[float, Place, Place], Sequence[float]]
 
 PUSHES = 72
@@ -199,8 +197,8 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
     >>> found.found, round(found.ratio.value, 3)
     (True, 1.085)
     """
-    number = whole_number("pushes of a probe", count, least=FEWEST)
-    theta = 2.0 * math.pi * np.arange(number) / number
+    size = whole_number("pushes of a probe", count, least=FEWEST)
+    theta = 2.0 * math.pi * np.arange(size) / size
     changes = []
     for angle in theta.tolist():
         given = push(angle)
@@ -256,13 +254,13 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     >>> found.found, round(found.ratio.value, 2)
     (True, 1.08)
     """
-    angles, moved = (
-        finite_array("theta", theta, ndim=1),
-        finite_array("change", change, last=3, ndim=2),
-    )
+    angles = finite_array("theta", theta, ndim=1)
+    moved = finite_array("change", change, last=3, ndim=2)
     if angles.size < FEWEST or len(moved) != angles.size:
-        told = f"{angles.size} orientations and {len(moved)} changes"
-        raise InvalidInput(f"{told}: give {FEWEST} or more, as many of both")
+        raise InvalidInput(
+            f"{angles.size} orientations and {len(moved)} changes: give {FEWEST} or more, as many "
+            "of both"
+        )
     gaps = np.diff(np.sort(np.mod(angles, 2.0 * math.pi)))
     if max(float(gaps.max(initial=0.0)), 2.0 * math.pi - float(gaps.sum())) > 0.5 * math.pi:
         raise InvalidInput(
@@ -272,36 +270,35 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     design = fourier_columns(angles, order)
     fits = [fit_linear(design, column) for column in moved.T]
     noise = np.array([max(fit.sigma, _ROUNDING) for fit in fits])
-    found = []
-    for name, fit in zip(OUTCOMES, fits, strict=True):
-        for number in range(1, order + 1):
-            rows = slice(2 * number - 1, 2 * number + 1)
-            length = _length(
-                fit.coefficients[rows], fit.covariance[rows, rows], angles.size - design.shape[1]
-            )
-            found.append(Harmonic(name, number, *length))
     values, covariance, explained = _ellipse(angles, moved, noise, loop)
-    free, p_value, vector = (
-        3 * angles.size - 7,
-        _p_value(moved, fits, noise, order),
-        Anisotropy.of_components(values),
-    )
+    free = 3 * angles.size - 7
+    offset = _length(values[:2], covariance[:2, :2], free)
     # The logarithm of the axes' ratio is twice the length of the second harmonic's vector.
-    ratio = Interval(
-        *(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free))
-    )
+    ratio = [math.exp(2.0 * length) for length in _length(values[2:], covariance[2:, 2:], free)]
     return Probe(
         loop,
         angles,
         moved,
-        tuple(found),
-        p_value,
+        _harmonics(fits, order),
+        _p_value(moved, fits, noise, order),
         noise,
-        vector,
-        ratio,
-        Interval(*_length(values[:2], covariance[:2, :2], free)),
+        Anisotropy.of_components(values),
+        Interval(*ratio),
+        Interval(*offset),
         explained,
     )
+
+
+def _harmonics(fits: Sequence[LinearFit], order: int) -> tuple[Harmonic, ...]:
+    """Those of each outcome, up to an order."""
+    harmonics = []
+    for name, fit in zip(OUTCOMES, fits, strict=True):
+        free = fit.residuals.size - fit.coefficients.size
+        for degree in range(1, order + 1):
+            rows = slice(2 * degree - 1, 2 * degree + 1)
+            length = _length(fit.coefficients[rows], fit.covariance[rows, rows], free)
+            harmonics.append(Harmonic(name, degree, *length))
+    return tuple(harmonics)
 
 
 def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, float]:
@@ -321,11 +318,12 @@ def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, 
     return float(np.hypot(*vector)), 0.0 if inside else float(lengths.min()), float(lengths.max())
 
 
-def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> float:
+def _p_value(moved: Array, fits: Sequence[LinearFit], noise: Array, order: int) -> float:
     """Of no dependence on orientation: the likelihood ratio of Wilks, with Rao's F for three
     outcomes.
     """
-    count, extra = len(moved), 2 * order
+    count = len(moved)
+    extra = 2 * order
     centred = (moved - moved.mean(axis=0)) / noise
     left = np.stack([fit.residuals for fit in fits], axis=-1) / noise
     floor = (_ROUNDING / noise) ** 2 * count * np.eye(3)
@@ -334,7 +332,8 @@ def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> flo
         - np.linalg.slogdet(centred.T @ centred + floor)[1]
     )
     s = math.sqrt((9.0 * extra**2 - 4.0) / (extra**2 + 4.0))
-    first, second = 3.0 * extra, (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
+    first = 3.0 * extra
+    second = (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
     root = math.exp(log_ratio / s)
     return float(stats.f.sf((1.0 - root) / max(root, 1e-300) * second / first, first, second))
 
@@ -345,7 +344,8 @@ def _ellipse(
     """The four numbers of the ellipse (see `Anisotropy.of_components`), their covariance, and the
     share explained.
     """
-    coarse, law = replace(loop, accuracy=min(loop.accuracy, 1e-7)), loop.material.friction
+    coarse = replace(loop, accuracy=min(loop.accuracy, 1e-7))
+    law = loop.material.friction
     mean = math.sqrt(law.mu_a * law.mu_b)
 
     def residuals(values: Array) -> Array:
@@ -450,7 +450,8 @@ def command_push(command: Sequence[str]) -> Push:
     except OSError as error:
         raise InvalidInput(f"{' '.join(command)}: cannot be started ({error.strerror})") from error
     assert process.stdin is not None and process.stdout is not None
-    reader, writer = process.stdout, process.stdin
+    reader = process.stdout
+    writer = process.stdin
 
     def push(theta: float) -> tuple[float, float, float]:
         line = ""
@@ -458,19 +459,20 @@ def command_push(command: Sequence[str]) -> Push:
             writer.write(json.dumps({"theta_deg": math.degrees(theta)}) + "\n")
             writer.flush()
             line = reader.readline()
-            told = json.loads(line)
+            answered = json.loads(line)
             return (
-                1e-3 * float(told["dx_mm"]),
-                1e-3 * float(told["dy_mm"]),
-                math.radians(float(told["dtheta_deg"])),
+                1e-3 * float(answered["dx_mm"]),
+                1e-3 * float(answered["dy_mm"]),
+                math.radians(float(answered["dtheta_deg"])),
             )
         except (OSError, ValueError, KeyError, TypeError) as error:
-            wanted = (
+            raise InvalidInput(
+                f"{command[0]} answered {line.strip()[:200]!r}"
+                f": "
                 'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., '
                 '"dtheta_deg": ...} is wanted'
-            )
-            answer = f"{command[0]} answered {line.strip()[:200]!r}"
-            raise InvalidInput(f"{answer}: {wanted}, written out at once") from error
+                f", written out at once"
+            ) from error
 
     def close() -> None:
         process.terminate()

@@ -15,14 +15,15 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS
 from cyclemap.evidence.pushes.mit_names import ScanFacts
-from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
 from cyclemap.mechanics import EllipseFriction, PushResult
 
 SAMPLES_PER_SECOND = 250.0
 # As in the measured files: the rod rests a quarter of a second before and after its stroke, and the
 # clocks of the tip and of the force sensor start a little after the object's.
 REST_SECONDS = 0.25
-TIP_LAG, WRENCH_LAG = 0.009, 0.011
+TIP_LAG = 0.009
+WRENCH_LAG = 0.011
 # Seconds since 1970, as robots count: the first of January 2016, the year of the dataset.
 FIRST_CLOCK = 1_451_606_400.0
 # Where the reset brings the ring to, (x, y) in the robot's frame, m: the origin of the mechanics.
@@ -30,7 +31,8 @@ MIT_TARGET = (0.350, -0.030)
 # The rod starts this far (m) before it touches.
 APPROACH = 0.001
 # As in the dataset: 120 mm through this place (m, robot's frame), every five degrees, twice each.
-SCAN_CENTRE, SCAN_STROKE = (0.350, -0.018), 0.120
+SCAN_CENTRE = (0.350, -0.018)
+SCAN_STROKE = 0.120
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,8 @@ def record_push(
         noise.angle,
     )
     pose[:, 2] = shorter_way(pose[:, 2])
-    force, lever = -states[len(object_way) :, 3:5], states[len(object_way) :, 5:]
+    force = -states[len(object_way) :, 3:5]
+    lever = states[len(object_way) :, 5:]
     wrench = np.column_stack([force, lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]])
     wrench += noise.of_wrenches(len(wrench), recording.rod_radius, generator)
     strokes = push.course.strokes
@@ -178,18 +181,18 @@ def _states(push: PushResult, distance: float, travel: Array) -> Array:
     state = np.empty((len(travel), 7))
     # Each phase begins with a row of its own, where the one before it ended, and is constant where
     # it has no length.
-    for number in range(course.phase[-1] + 1):
-        path, own = course.path[course.phase == number], rows[course.phase == number]
-        on, kept = (
-            travel >= (path[0] if number else -math.inf),
-            np.diff(path, prepend=-math.inf) > 0.0,
-        )
+    for phase in range(course.phase[-1] + 1):
+        path = course.path[course.phase == phase]
+        own = rows[course.phase == phase]
+        on = travel >= (path[0] if phase else -math.inf)
+        kept = np.diff(path, prepend=-math.inf) > 0.0
         state[on] = (
             CubicSpline(path[kept], own[kept])(travel[on])
             if np.count_nonzero(kept) > 1
             else own[-1]
         )
-    start, end = push.start, push.end
+    start = push.start
+    end = push.end
     state[travel < 0.0] = (start.x, start.y, start.theta, 0.0, 0.0, 0.0, 0.0)
     last = rows[-1, 3:] if push.ended != "left" else np.zeros(4)
     state[travel >= push.travel] = (end.x, end.y, end.theta, *last)
@@ -200,8 +203,8 @@ def scan_set(surface: str, shape: str, speed: float) -> list[ScanFacts]:
     """The scans of one object on one surface, as the dataset names them; speed in m/s."""
     directions = np.radians((np.arange(0, 360, 5) + 180) % 360).tolist()
     return [
-        ScanFacts(surface, shape, 0.0, speed, one, repetition)
-        for one in directions
+        ScanFacts(surface, shape, 0.0, speed, direction, repetition)
+        for direction in directions
         for repetition in (0.0, 1.0)
     ]
 
@@ -222,10 +225,8 @@ def record_scan(
     """
     way = np.array([math.cos(direction), math.sin(direction)])
     seconds = 2.0 * REST_SECONDS + SCAN_STROKE / recording.speed
-    (tip_seen, tip_time), (seen, time) = (
-        recording.clock(seconds),
-        recording.clock(seconds, WRENCH_LAG),
-    )
+    (tip_seen, tip_time) = recording.clock(seconds)
+    (seen, time) = recording.clock(seconds, WRENCH_LAG)
     travel = (
         np.clip(recording.speed * (tip_time - REST_SECONDS), 0.0, SCAN_STROKE) - SCAN_STROKE / 2.0
     )

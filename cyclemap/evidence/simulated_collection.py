@@ -16,10 +16,10 @@ import numpy as np
 
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
-from cyclemap.evidence.pushes.push_files import SUFFIXES, write_push_file
+from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import (
     FIRST_CLOCK,
     Recording,
@@ -29,6 +29,7 @@ from cyclemap.evidence.recorded_push import (
     recorded_seconds,
     scan_set,
 )
+from cyclemap.evidence.tables.data_kinds import SUFFIXES
 from cyclemap.file_text import toml_text
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material
@@ -41,7 +42,9 @@ from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_
 Arguments = dict[str, str | int | float | bool]
 
 # Streams of random numbers: what one cycle draws of each depends on the seed and its number alone.
-TURN, INSTRUMENTS, SCANS = 0, 1, 2
+TURN = 0
+INSTRUMENTS = 1
+SCANS = 2
 # Seconds between two records besides the way back, which takes as long as the push: time to get in
 # and out of the ring.
 _HANDLING_SECONDS = 10.0
@@ -51,7 +54,8 @@ TRUTH_FILE = "true_theta0.txt"
 _COMMENTS = (
     "The collection that these data are of; [simulation] is what was asked when they were made.",
 )
-PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
+PUSH_FOLDER = "normal"
+SCAN_FOLDER = "friction_scan"
 # Longest step (m) of a recorded push, as a share of its travel: between the steps the record is
 # interpolated.
 _RECORDED = 60
@@ -122,10 +126,10 @@ class CollectionPlan:
                 raise InvalidInput(
                     f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle"
                 )
-        for number, loop in enumerate(self.cycle_loops or ()):
+        for cycle, loop in enumerate(self.cycle_loops or ()):
             if replace(loop, push=self.loop.push, reset=self.loop.reset) != self.loop:
                 raise InvalidInput(
-                    f"cycle_loops: the loop of cycle {number} differs in more than push and reset"
+                    f"cycle_loops: the loop of cycle {cycle} differs in more than push and reset"
                 )
         for turn in self.gripper_turns or ():
             finite_number("gripper turn", turn)
@@ -178,7 +182,8 @@ class CollectionPlan:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a
         hash.
         """
-        loop, noise = self.loop, self.noise
+        loop = self.loop
+        noise = self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
         asked: Arguments = {
             "version": version("cyclemap"),
@@ -204,8 +209,11 @@ class CollectionPlan:
         if self.cycle_noise is not None:
             asked["cycle_noise"] = _short(repr(self.cycle_noise))
         if self.cycle_loops is not None or self.gripper_turns is not None:
-            told = [(loop.push, loop.reset) for loop in self.cycle_loops or ()], self.gripper_turns
-            asked["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
+            cycle_by_cycle = (
+                [(loop.push, loop.reset) for loop in self.cycle_loops or ()],
+                self.gripper_turns,
+            )
+            asked["cycle_by_cycle"] = hashlib.sha256(repr(cycle_by_cycle).encode()).hexdigest()
         return asked
 
 
@@ -227,41 +235,24 @@ class CollectionFolder:
     """
 
     def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
-        self.folder, self.plan = Path(folder), plan
-        self.surface, self.shape = (
-            file_stem(plan.loop.material.name),
-            file_stem(plan.loop.slider.name),
-        )
+        self.folder = Path(folder)
+        self.plan = plan
+        self.surface = file_stem(plan.loop.material.name)
+        self.shape = file_stem(plan.loop.slider.name)
         self.home = self.folder / self.surface / self.shape
-        arguments, record, unfinished = (
-            plan.arguments(),
-            self.folder / FILE_NAME,
-            f".*{UNFINISHED_SUFFIX}",
-        )
+        asked = {SIMULATION: plan.arguments()}
+        record = self.folder / FILE_NAME
+        unfinished = f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
-            table = read_toml(record).get(SIMULATION)
-            found = table if isinstance(table, dict) else {}
-            others = [
-                name for name in {**arguments, **found} if arguments.get(name) != found.get(name)
-            ]
-            if others:
-                told = "; ".join(
-                    f"{name} is {found.get(name)} there and {arguments.get(name)} here"
-                    for name in others
-                )
-                otherwise = f"{self.folder} holds a collection that was asked for otherwise: {told}"
-                raise InvalidInput(f"{otherwise}. Choose another folder")
-        elif self.folder.is_dir() and not all(
-            path.match(unfinished) for path in self.folder.iterdir()
-        ):
+            self._require_same(read_toml(record).get(SIMULATION), asked[SIMULATION])
+        elif any(not path.match(unfinished) for path in self.folder.glob("*")):
             raise InvalidInput(
                 f"{self.folder} holds other files; give a new or empty folder for the collection"
             )
         for path in self.folder.rglob(unfinished):
             path.unlink(missing_ok=True)
         if not begun:
-            asked = {SIMULATION: arguments}
             try:
                 # The loop as every command reads it; without it where no setting can say it.
                 text = collection_text(
@@ -273,9 +264,24 @@ class CollectionFolder:
                 )
             write_whole(record, text.encode())
 
+    def _require_same(self, table: object, asked: Arguments) -> None:
+        """Raise InvalidInput where the folder's collection was asked for otherwise."""
+        there = table if isinstance(table, dict) else {}
+        differences = [
+            f"{name} is {there.get(name)} there and {asked.get(name)} here"
+            for name in {**asked, **there}
+            if asked.get(name) != there.get(name)
+        ]
+        if differences:
+            raise InvalidInput(
+                f"{self.folder} holds a collection that was asked for otherwise: "
+                f"{'; '.join(differences)}. Choose another folder"
+            )
+
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""
-        push, plan = self.plan.new_loop_at(cycle).push, self.plan
+        push = self.plan.new_loop_at(cycle).push
+        plan = self.plan
         place = (float(push.side), push.fraction, push.angle, float(cycle))
         facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
         return self.home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
@@ -287,7 +293,8 @@ class CollectionFolder:
         Every line of the truth is sealed with the file of the push that led to its θ0, and with the
         line before; what comes behind a broken seal does not count, and goes.
         """
-        truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
+        truth = self.folder / TRUTH_FILE
+        theta = [self.plan.start]
         lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
         self._lines = [self._truth_line(0, self.plan.start, b"")]
         for cycle, line in enumerate(
@@ -315,11 +322,11 @@ class CollectionFolder:
         """
         push = self.push_path(cycle - 1) if cycle else None
         content = push.read_bytes() if push is not None and push.is_file() else b""
-        told = f"{cycle} {theta!r}".encode()
+        words = f"{cycle} {theta!r}".encode()
         return (
-            told
+            words
             + b" # "
-            + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode()
+            + hashlib.sha256(b"\0".join((before, words, content))).hexdigest()[:16].encode()
             + b"\n"
         )
 
@@ -438,8 +445,9 @@ def simulate_collection(
         begun = CollectionFolder(folder, plan)
         # Scans are made anew if they are there: they are quick.
         scans = scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else []
-        for number, scan in enumerate(scans, 1):
-            friction, draws = loop.material.friction, plan.generator(SCANS, number)
+        for index, scan in enumerate(scans, 1):
+            friction = loop.material.friction
+            draws = plan.generator(SCANS, index)
             made = record_scan(
                 friction, loop.model.weight, scan.direction, plan.recording(0), draws
             )
@@ -452,8 +460,9 @@ def simulate_collection(
             try:
                 push, back = now.strokes(theta[-1], distance / _RECORDED)
             except CycleMapError as error:
-                place = f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees"
-                raise type(error)(f"{place}: {error}") from error
+                raise type(error)(
+                    f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees: {error}"
+                ) from error
             record = record_push(
                 push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle)
             )

@@ -80,19 +80,22 @@ if TYPE_CHECKING:
     from cyclemap.maps.estimate import Estimate as Estimate
     from cyclemap.maps.families.bifurcation_curves import (
         BifurcationCurve as BifurcationCurve,
+        CodimensionTwo as CodimensionTwo,
         bifurcation_curves as bifurcation_curves,
         follow_bifurcation as follow_bifurcation,
     )
-    from cyclemap.maps.families.continuation import (
-        OrbitBranch as OrbitBranch,
+    from cyclemap.maps.families.bifurcations import (
         bifurcations as bifurcations,
         border_collisions as border_collisions,
-        follow_orbit as follow_orbit,
-        orbit_branches as orbit_branches,
         period_doublings as period_doublings,
         saddle_nodes as saddle_nodes,
     )
-    from cyclemap.maps.families.curve_equations import CodimensionTwo as CodimensionTwo
+    from cyclemap.maps.families.continuation import (
+        Bifurcation as Bifurcation,
+        OrbitBranch as OrbitBranch,
+        follow_orbit as follow_orbit,
+        orbit_branches as orbit_branches,
+    )
     from cyclemap.maps.families.family import (
         ARNOLD_FAMILY as ARNOLD_FAMILY,
         MOEBIUS_FAMILY as MOEBIUS_FAMILY,
@@ -111,7 +114,6 @@ if TYPE_CHECKING:
         rest_multiplier as rest_multiplier,
         slow_folds as slow_folds,
     )
-    from cyclemap.maps.families.orbit_equations import Bifurcation as Bifurcation
     from cyclemap.maps.families.response import Response as Response, response as response
     from cyclemap.maps.families.rotation_numbers import (
         RotationNumbers as RotationNumbers,

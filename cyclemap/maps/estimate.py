@@ -66,13 +66,6 @@ class Estimate(float):
     error_bound : float
         How far off it may be, 0 or more; inf says that nothing is known.
 
-    Attributes
-    ----------
-    lower : float
-        The least that the truth can be, rounded outward.
-    upper : float
-        The most that the truth can be, rounded outward.
-
     Raises
     ------
     InvalidInput

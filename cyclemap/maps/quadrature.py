@@ -1,4 +1,4 @@
-"""Nodes and weights on the circle or an arc for integrands h(F(θ)) p(θ) of limited bandwidth.
+"""Nodes and weights on an arc, or the circle, for integrands h(F(θ)) p(θ) of limited bandwidth.
 
 ``bandwidth`` is the M beyond which the Fourier coefficients of h and p are negligible. Where F' = s
 the product then carries frequencies up to M·√(1 + s²) (Gaussian coefficients; heavier ones need
@@ -15,7 +15,7 @@ from numpy.polynomial import legendre
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.estimate import EPS, LIFT
+from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
 from cyclemap.maps.lifts.scan import ranks
@@ -33,80 +33,11 @@ _RESOLVED = 1e-12  # radians: F's own last coefficients, rounding apart
 # half a wave's last two: falling fast, as those of plain waves, their square is rounding
 _HALF_RESOLVED = 1.2e-5
 _LOG_RESOLVED = 1e-11  # of a panel's part of the integral of ln|F'|
-_PROBES = (
-    3**10
-)  # angles a turn at which F's waves are counted, and panels are tried: odd, so that few waves hide
+_PROBES = 3**10  # angles a turn at which panels are tried: odd, so that few waves hide
 _GOLDEN = 0.6180339887498949  # share of a step between the nodes of a rule and those of a finer one
-_UNEVEN = (
-    8.0  # times its own mean: where F' is steeper, panels need fewer nodes than a uniform grid
-)
 _FLOOR = 1e-300
 _DIRECTIONS = ((1.0, 0.0), (0.8, 0.6), (0.8, -0.6))  # shares of F's waves and of θ's
 _STEEPNESS = np.append(np.append(1e-9, np.arange(1.0, 16.0) / 16.0), 1.0 - 1e-9)
-
-
-def circle_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights over one turn; ``finer`` times as many nodes as needed, between those of
-    the plain rule.
-
-    The trapezoidal rule for maps given by formulas without breaks (geometric convergence for
-    analytic F: Trefethen & Weideman 2014), its nodes as many as F's own waves and the products ask
-    for; else ``arc_rule``.
-    """
-    count = None
-    if not circle_map.breaks.size and circle_map.pieces is None:
-        count = _trapezoidal_count(circle_map, bandwidth)
-    if count is None:
-        return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
-    if finer * count > MAX_NODES:
-        raise too_many_nodes(finer * count)
-    nodes = finer * count + (finer > 1)
-    offset = _GOLDEN if finer > 1 else 0.0
-    return TWO_PI * (np.arange(nodes) + offset) / nodes, np.full(nodes, TWO_PI / nodes)
-
-
-def _trapezoidal_count(circle_map: CircleMap, bandwidth: float) -> int | None:
-    """Nodes with which no product of waves of θ and of F(θ) is taken for a constant; None where
-    panels do better.
-    """
-    theta = TWO_PI * np.arange(_PROBES) / _PROBES
-    turn = circle_map(theta) - circle_map.degree * theta
-    size = np.abs(np.fft.rfft(turn)) / _PROBES
-    noticed = np.flatnonzero(
-        size > _RESOLVED / (1.0 + bandwidth) + 4.0 * EPS * (1.0 + float(np.max(np.abs(turn))))
-    )
-    own = int(noticed[-1]) if noticed.size else 0
-    slope = np.abs(np.gradient(turn, theta) + circle_map.degree)
-    steepest = float(np.max(slope))
-    if own > _PROBES // 4 or steepest > _UNEVEN * max(1.0, float(np.sqrt(np.mean(slope**2)))):
-        return None
-    # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of
-    # both fall.
-    whole = int(np.ceil(bandwidth))
-    needed = 0
-    for share in (0.0, 0.4, 0.7, 0.9, 1.0):
-        order = int(np.ceil(share * whole))
-        other = int(np.ceil(np.sqrt(1.0 - share**2) * whole))
-        reach = _wave_reach(circle_map, order, own, steepest)
-        if reach is None:
-            return None
-        needed = max(needed, reach + other + own)
-    return needed + 48
-
-
-def _wave_reach(circle_map: CircleMap, order: int, own: int, steepest: float) -> int | None:
-    """The highest wave in e^{i·order·F} above rounding; None where 400,000 nodes cannot tell."""
-    count = int(4.0 * (1.1 * order * steepest + 2.0 * own + 64.0))
-    while count <= MAX_NODES:
-        count += 1 - count % 2
-        theta = TWO_PI * np.arange(count) / count
-        size = np.abs(np.fft.fft(np.exp(1j * order * circle_map(theta)))) / count
-        noticed = np.flatnonzero(size > 16.0 * EPS * (1.0 + order))
-        reach = int(np.max(np.minimum(noticed, count - noticed)))
-        if reach < 0.45 * count:
-            return reach
-        count *= 2
-    return None
 
 
 def arc_rule(
@@ -136,34 +67,22 @@ def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False
     logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then
         at angles between them no further apart than a ten-thousandth of a radian.
     """
-    open_left = edges[:-1]
-    open_right = edges[1:]
-    done = [edges]
-    probed = False
     for _ in range(_PASSES):
-        if open_left.size * _POINTS > MAX_NODES:
-            raise too_many_nodes(open_left.size * _POINTS)
-        rough = _is_rough(circle_map, open_left, open_right - open_left, logarithm)
-        left = open_left[rough]
-        right = open_right[rough]
-        if left.size == 0 and not probed and circle_map.pieces is None:
-            ends = np.unique(np.concatenate(done))
-            missed = _missed_by_nodes(circle_map, ends)
-            left = ends[:-1][missed]
-            right = ends[1:][missed]
-            probed = left.size == 0
-        if left.size == 0:
+        if (edges.size - 1) * _POINTS > MAX_NODES:
+            raise too_many_nodes((edges.size - 1) * _POINTS)
+        rough = _is_rough(circle_map, edges, logarithm)
+        if not np.any(rough) and circle_map.pieces is None:
+            rough = _missed_by_nodes(circle_map, edges)
+        if not np.any(rough):
             break
-        middle = 0.5 * (left + right)
-        done.append(middle)
-        open_left = np.append(left, middle)
-        open_right = np.append(middle, right)
-    return np.unique(np.concatenate(done))
+        edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[rough])
+    return edges
 
 
-def _is_rough(circle_map: CircleMap, left: Array, width: Array, logarithm: bool) -> Mask:
+def _is_rough(circle_map: CircleMap, edges: Array, logarithm: bool) -> Mask:
     """Which panels' nodes show more of F than polynomials of their degree hold."""
-    x, _ = gauss_rule(left, width, _POINTS)
+    width = np.diff(edges)
+    x, _ = gauss_rule(edges[:-1], width, _POINTS)
     to_coefficients = _to_coefficients(_POINTS)
     image = circle_map(x)
     here = image.reshape(-1, _POINTS)
@@ -206,23 +125,14 @@ def _on_panels(
     """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its
     phase.
     """
-    open_left = edges[:-1]
-    open_width = np.diff(edges)
-    done = []
     for _ in range(_PASSES):
-        left, width, order = _fitted(circle_map, open_left, open_width, bandwidth, least)
-        rough = np.zeros(left.size, dtype=bool)
-        if circle_map.pieces is None:  # within cubics the phase tells all
-            rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (
-                width > _SHORTEST
-            )
-        done.append((left[~rough], width[~rough], order[~rough]))
+        left, width, order = _fitted(circle_map, edges, bandwidth, least)
+        if circle_map.pieces is not None:  # within cubics the phase tells all
+            break
+        rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (width > _SHORTEST)
         if not np.any(rough):
             break
-        half = 0.5 * width[rough]
-        open_left = np.append(left[rough], left[rough] + half)
-        open_width = np.append(half, half)
-    left, width, order = (np.concatenate(column) for column in zip(*done, strict=True))
+        edges = np.sort(np.concatenate([left, (left + 0.5 * width)[rough], edges[-1:]]))
     order = finer * order
     if int(order.sum()) > MAX_NODES:
         raise too_many_nodes(int(order.sum()))
@@ -239,11 +149,13 @@ def _on_panels(
 
 
 def _fitted(
-    circle_map: CircleMap, left: Array, width: Array, bandwidth: float, least: int
+    circle_map: CircleMap, edges: Array, bandwidth: float, least: int
 ) -> tuple[Array, Array, Whole]:
     """Panels cut until their phase, of waves of θ and of F together, is at most 60, and the order
     that it asks for.
     """
+    left = edges[:-1]
+    width = np.diff(edges)
     inner = left[:, None] + width[:, None] * _STEEPNESS
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * width

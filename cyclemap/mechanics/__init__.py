@@ -71,8 +71,8 @@ if TYPE_CHECKING:
         material_toml as material_toml,
     )
     from cyclemap.mechanics.outline import Ellipse as Ellipse, Polygon as Polygon
+    from cyclemap.mechanics.plate_footprint import resting_pressure as resting_pressure
     from cyclemap.mechanics.quasi_static import QuasiStaticModel as QuasiStaticModel
-    from cyclemap.mechanics.resting import resting_pressure as resting_pressure
     from cyclemap.mechanics.slider import (
         MIT_HITCH as MIT_HITCH,
         MIT_SHAPE_NAMES as MIT_SHAPE_NAMES,

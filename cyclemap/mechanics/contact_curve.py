@@ -33,14 +33,15 @@ _NUDGES = (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 5.0, -5.0, 7.0, -7.0)
 
 
 class Contact(NamedTuple):
-    """One contact in the slider's frame: point, angle of the outward normal, and its derivative by
-    the coordinate.
+    """One contact in the slider's frame: point, angle of the outward normal, and by the coordinate
+    the derivative of that and the travel of the rod's centre along its curve.
     """
 
     x: float
     y: float
     normal: float
     turning: float
+    travel: float
 
     def rod_centre(self, radius: float) -> tuple[float, float]:
         """Return where the centre of a touching rod is."""
@@ -58,14 +59,11 @@ class SidePiece:
     low: float
     high: float
 
-    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact, and the travel of the rod's centre along its curve per unit of
-        coordinate.
-        """
-        x, y = self.start
-        return Contact(
-            x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal, 0.0
-        ), 1.0
+    def contact(self, coordinate: float, radius: float) -> Contact:
+        """Return the contact of a rod of a radius."""
+        (x, y), (along_x, along_y) = self.start, self.direction
+        place = x + coordinate * along_x, y + coordinate * along_y
+        return Contact(*place, self.normal, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -78,11 +76,9 @@ class CornerPiece:
     low: float
     high: float
 
-    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact, and the travel of the rod's centre along its curve per unit of
-        coordinate.
-        """
-        return Contact(*self.corner, coordinate, 1.0), radius
+    def contact(self, coordinate: float, radius: float) -> Contact:
+        """Return the contact of a rod of a radius."""
+        return Contact(*self.corner, coordinate, 1.0, radius)
 
 
 @dataclass(frozen=True)
@@ -94,14 +90,13 @@ class EllipsePiece:
     low: float = -math.inf
     high: float = math.inf
 
-    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact, and the travel of the rod's centre along its curve per unit of
-        coordinate.
-        """
+    def contact(self, coordinate: float, radius: float) -> Contact:
+        """Return the contact of a rod of a radius."""
         (a, b), c, s = (self.semi_x, self.semi_y), math.cos(coordinate), math.sin(coordinate)
         speed = math.hypot(a * s, b * c)
-        contact = Contact(a * c, b * s, math.atan2(a * s, b * c), a * b / speed**2)
-        return contact, speed + radius * a * b / speed**2
+        turning = a * b / speed**2
+        normal = math.atan2(a * s, b * c)
+        return Contact(a * c, b * s, normal, turning, speed + radius * turning)
 
 
 OutlinePiece = SidePiece | CornerPiece | EllipsePiece
@@ -131,7 +126,7 @@ class ContactCurve:
         both at once.
         """
         ends, begins = self.pieces[piece], self.pieces[self.after[piece]]
-        return ends.contact(ends.high, self.radius)[0], begins.contact(begins.low, self.radius)[0]
+        return ends.contact(ends.high, self.radius), begins.contact(begins.low, self.radius)
 
 
 @lru_cache(maxsize=256)
@@ -225,9 +220,7 @@ def _trimmed(outline: Polygon, radius: float, rounding: float) -> ContactCurve |
         ]
         if trims and spans:
             own = [side] if isinstance(whole, SidePiece) else [side, (side + 1) % outline.sides]
-            middles = [
-                whole.contact((a.coordinate + b.coordinate) / 2.0, radius)[0] for a, b in spans
-            ]
+            middles = [whole.contact((a.coordinate + b.coordinate) / 2.0, radius) for a, b in spans]
             away = _clearance(
                 outline, own, np.array([middle.rod_centre(radius) for middle in middles])
             )
@@ -308,7 +301,7 @@ def _near(raw: list[_RawPiece], radius: float) -> list[tuple[int, int]]:
     for span, piece in zip(spans, raw, strict=True):
         if isinstance(piece, SidePiece):
             span[:] = [
-                piece.contact(at, radius)[0].rod_centre(radius) for at in (piece.low, piece.high)
+                piece.contact(at, radius).rod_centre(radius) for at in (piece.low, piece.high)
             ]
         else:
             span[:] = np.add(piece.corner, [[-radius], [radius]])

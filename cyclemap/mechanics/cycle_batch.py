@@ -72,14 +72,16 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     """Run cycles of k loops from orientations theta (k, n), rad, on all cores; results do not
     depend on how many.
 
-    Raises what the first cycle that fails ends with, telling which loop and orientation.
+    Raises what the first cycle that fails ends with, telling its orientation and, of
+    several, its loop.
     """
     strokes = []
     for place, loop in enumerate(loops):
         try:
             strokes.append(loop.model.cycle_strokes(loop.push, loop.reset))
         except CycleMapError as error:
-            raise type(error)(f"loop {place}: {error}") from error
+            which = f"loop {place}: " if len(loops) > 1 else ""
+            raise type(error)(f"{which}{error}") from error
     owner = np.repeat(np.arange(len(loops)), theta.shape[1])
     unit = np.array([loop.model.unit for loop in loops])[owner]
     lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[owner]

@@ -200,7 +200,7 @@ class DynamicModel:
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
         index, coordinate, _ = side_coordinate(outline, pieces, push.side, push.fraction)
-        contact, _ = pieces[index].contact(coordinate, radius)
+        contact = pieces[index].contact(coordinate, radius)
         direction = pose.theta + contact.normal + math.pi + push.angle
         touch = np.array(pose.to_world(*contact.rod_centre(radius)))
         places = [
@@ -264,29 +264,25 @@ class DynamicModel:
         """The equations of a leg of the rod on an outline, or in a ring at a place (m), with
         friction of a radius.
         """
-        slider, law, length, unit = (
-            self.slider,
-            self.friction,
-            self.points.extent,
-            1.0 / self.points.extent,
-        )
+        slider, law, length = self.slider, self.friction, self.points.extent
+        unit = 1.0 / length
         froude = self.speed**2 / (GRAVITY * length)
         stiffness = self.stiffness * length / slider.weight
         physics = (
-            *(froude, self.inertia / (slider.mass * length**2)),
-            *(stiffness, 2.0 * self.damping * math.sqrt(stiffness * froude)),
-            *(
-                self.pusher.radius / length,
-                self.pusher.friction,
-                pin_radius / length,
-                self.regularisation,
-            ),
+            froude,
+            self.inertia / (slider.mass * length**2),
+            stiffness,
+            2.0 * self.damping * math.sqrt(stiffness * froude),
+            self.pusher.radius / length,
+            self.pusher.friction,
+            pin_radius / length,
+            self.regularisation,
             *(law.mu_a, law.mu_b, law.m0, law.n0, law.phi),
         )
+        places = (unit * self.points.quadrature[0]).tolist()
+        pressed = self.footprint if isinstance(self.footprint, PressedFootprint) else None
         return LegEquations(
-            PointFootprint(
-                tuple(map(tuple, (unit * self.points.quadrature[0]).tolist())), self.points.weights
-            ),
+            PointFootprint(tuple(map(tuple, places)), self.points.weights),
             (unit * slider.centre_of_mass[0], unit * slider.centre_of_mass[1]),
             (unit * touched[0], unit * touched[1])
             if isinstance(touched, tuple)
@@ -294,9 +290,7 @@ class DynamicModel:
             self.tolerance,
             whole_number("samples", samples, least=1),
             physics,
-            _resized(self.footprint, unit)
-            if isinstance(self.footprint, PressedFootprint)
-            else None,
+            _resized(pressed, unit) if pressed else None,
         )
 
     def _run(
@@ -397,17 +391,11 @@ def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
 
     Both know the state in units of _SCALES.
     """
-    time, scaled, parameters = (
-        ca.SX.sym("time"),
-        ca.SX.sym("scaled", 6),
-        ca.SX.sym("parameters", len(LEG + PHYSICS)),
-    )
+    time, scaled = ca.SX.sym("time"), ca.SX.sym("scaled", 6)
+    parameters = ca.SX.sym("parameters", len(LEG + PHYSICS))
+    p = dict(zip(LEG + PHYSICS, ca.vertsplit(parameters), strict=True))
     state, centre = _SCALES * scaled, ca.DM(leg.centre)
-    theta, omega, p = (
-        state[2],
-        state[5],
-        dict(zip(LEG + PHYSICS, ca.vertsplit(parameters), strict=True)),
-    )
+    theta, omega = state[2], state[5]
     rod_velocity = ca.vertcat(p["rod_vx"], p["rod_vy"])
     # What the contact sees, in the slider's axes: the rod from the centre of mass and from the
     # place that it touches, and how fast it moves off that.
@@ -416,37 +404,32 @@ def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
         -theta,
     )
     touched = leg.touched
-    place = (
-        ca.SX(ca.DM(touched))
-        if isinstance(touched, tuple)
-        else nearest_place(touched, rod + centre)
-    ) - centre
+    if isinstance(touched, tuple):
+        place = ca.SX(ca.DM(touched)) - centre
+    else:
+        place = nearest_place(touched, rod + centre) - centre
     lever = rod - place
     slip = _turned(rod_velocity - state[3:5], -theta) + omega * ca.vertcat(place[1], -place[0])
     if isinstance(touched, tuple):
         # A spring and damper both ways; the root's small addend keeps its derivative finite where
         # there is no force.
         local = p["stiffness"] * lever + p["damping"] * slip
-        size = ca.sqrt(local[0] ** 2 + local[1] ** 2 + 1e-16)
+        size = ca.sqrt(ca.sumsqr(local) + 1e-16)
         pin = -p["pin_radius"] * size * omega / ca.sqrt(omega**2 + p["creep"] ** 2)
     else:
         local, pin = _on_outline(lever, slip, p), 0.0
     floor, floor_torque = _floor(leg, theta, state[3:5], omega, p)
     force = _turned(local, theta)
-    torque = floor_torque + pin + place[0] * local[1] - place[1] * local[0]
+    torque = floor_torque + pin + _moment(place, local)
     rates = ca.vertcat(state[3:], ca.vertcat(floor + force, torque / p["inertia"]) / p["froude"])
     problem = {"t": time, "x": scaled, "p": parameters, "ode": p["duration"] * rates / _SCALES}
     options = {
-        **{
-            "reltol": leg.tolerance,
-            "abstol": _ABSOLUTE * leg.tolerance,
-            "nonlin_conv_coeff": _NEWTON_SHARE,
-        },
-        **{
-            "max_num_steps": _MOST_STEPS,
-            "disable_internal_warnings": True,
-            "linear_solver": "csparse",
-        },
+        "reltol": leg.tolerance,
+        "abstol": _ABSOLUTE * leg.tolerance,
+        "nonlin_conv_coeff": _NEWTON_SHARE,
+        "max_num_steps": _MOST_STEPS,
+        "disable_internal_warnings": True,
+        "linear_solver": "csparse",
     }
     grid = np.linspace(0.0, 1.0, leg.samples + 1)[1:].tolist()
     seen = ca.vertcat(force, state[:2] + _turned(place, theta))
@@ -458,17 +441,13 @@ def _on_outline(lever: ca.SX, slip: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     """Force of the rod on the outline: spring and damper that never pull, Coulomb friction faded
     below the creep.
     """
-    distance = ca.sqrt(lever[0] ** 2 + lever[1] ** 2)
+    distance = ca.norm_2(lever)
     out = lever / distance
-    depth, closing = p["radius"] - distance, -slip[0] * out[0] - slip[1] * out[1]
-    sideways = -slip[0] * out[1] + slip[1] * out[0]
-    normal = ca.if_else(
-        depth > 0.0, ca.fmax(p["stiffness"] * depth + p["damping"] * closing, 0.0), 0.0
-    )
+    depth, closing, sideways = p["radius"] - distance, -ca.dot(slip, out), _moment(out, slip)
+    pressed = ca.fmax(p["stiffness"] * depth + p["damping"] * closing, 0.0)
+    normal = ca.if_else(depth > 0.0, pressed, 0.0)
     tangential = p["pusher_mu"] * normal * sideways / ca.sqrt(sideways**2 + p["creep"] ** 2)
-    return ca.vertcat(
-        -normal * out[0] - tangential * out[1], -normal * out[1] + tangential * out[0]
-    )
+    return tangential * ca.vertcat(-out[1], out[0]) - normal * out
 
 
 def _floor(
@@ -481,17 +460,15 @@ def _floor(
     convex, smooth, exact far above creep.
     """
     moving = _turned(velocity, -p["phi"])
+    axes, offset = ca.vertcat(p["mu_a"], p["mu_b"]), ca.vertcat(p["m0"], p["n0"])
     fading, force, torque = p["mu_a"] * p["mu_b"] * p["creep"] ** 2, ca.SX.zeros(2), 0.0
     loads = leg.footprint.weights if leg.pressed is None else _loads(leg, leg.pressed, theta)
     for place, weight in zip(leg.footprint.positions, loads, strict=True):
         lever = _turned(ca.DM(place) - ca.DM(leg.centre), theta - p["phi"])
-        along, across = moving[0] - omega * lever[1], moving[1] + omega * lever[0]
-        s = ca.sqrt((p["mu_a"] * along) ** 2 + (p["mu_b"] * across) ** 2 + fading)
-        traction = ca.vertcat(
-            p["m0"] + p["mu_a"] ** 2 * along / s, p["n0"] + p["mu_b"] ** 2 * across / s
-        )
+        slides = moving + omega * ca.vertcat(-lever[1], lever[0])
+        traction = offset + axes**2 * slides / ca.sqrt(ca.sumsqr(axes * slides) + fading)
         force -= weight * traction
-        torque -= weight * (lever[0] * traction[1] - lever[1] * traction[0])
+        torque -= weight * _moment(lever, traction)
     return _turned(force, p["phi"]), torque
 
 
@@ -543,13 +520,15 @@ def nearest_place(outline: Outline, place: ca.SX) -> ca.SX:
     nearest, least = ca.SX.zeros(2), ca.SX(np.inf)
     for a, b in zip(outline.array, np.roll(outline.array, -1, axis=0), strict=True):
         side, away = b - a, place - a
-        share = ca.fmin(
-            ca.fmax((away[0] * side[0] + away[1] * side[1]) / float(side @ side), 0.0), 1.0
-        )
+        share = ca.fmin(ca.fmax(ca.dot(away, side) / float(side @ side), 0.0), 1.0)
         foot = a + share * side
-        square = (place[0] - foot[0]) ** 2 + (place[1] - foot[1]) ** 2
+        square = ca.sumsqr(place - foot)
         nearest, least = ca.if_else(square < least, foot, nearest), ca.fmin(least, square)
     return nearest
+
+
+def _moment(lever: ca.SX, force: ca.SX) -> ca.SX:
+    return lever[0] * force[1] - lever[1] * force[0]
 
 
 def _turned(vector: ca.SX, angle: ca.SX) -> ca.SX:

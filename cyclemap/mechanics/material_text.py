@@ -165,59 +165,30 @@ def _plates_of(table: dict[str, object]) -> tuple[PlatePressure, ...]:
 
 def _material_of(table: dict[str, object], name: str) -> Material:
     _refuse_unknown("key in a material file", table, (*FILE_KEYS, *_OTHER_TABLES))
-    friction = table.get("friction")
-    if not isinstance(friction, dict):
+    if not isinstance(table.get("friction"), dict):
         raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")
     inferred = table.get("inferred", False)
     if not isinstance(inferred, bool):
         raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
-    for key in _table(table, "found_with"):
-        if key in PLATE_KEYS:
-            raise InvalidInput(
-                f"{key} belongs to a plate: move it to a table [plates.NAME], such as "
-                "[plates.rect1]"
-            )
-    together = {}
-    for key, value in _table(table, "found_with", tuple(FOUND_KEYS)).items():
-        field, unit = FOUND_KEYS[key]
-        together[field] = unit * finite_number(key, value)
-    spread = _table(table, "session_spread", SPREAD_KEYS)
-    dome, bow_x, bow_y = (finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS)
+    dome, bow_x, bow_y = _numbers_of(_table(table, "session_spread", SPREAD_KEYS), SPREAD_KEYS)
     frames = []
     for plate, shift in _tables(table, "frames", SHIFT_KEYS):
-        x, y = (1e-3 * finite_number(key, shift.get(key, 0.0)) for key in SHIFT_KEYS)
-        frames.append(FrameShift(plate, x, y))
-    posterior = _table(table, "posterior", ("parameters", "samples"))
+        x_mm, y_mm = _numbers_of(shift, SHIFT_KEYS)
+        frames.append(FrameShift(plate, 1e-3 * x_mm, 1e-3 * y_mm))
     noise = _table(table, "cycle_noise", ("log_sigma", "correlation"))
-    names, samples = posterior.get("parameters"), posterior.get("samples")
-    is_list = (
-        isinstance(names, list)
-        and isinstance(samples, list)
-        and all(isinstance(name, str) for name in names)
-    )
-    if posterior and not is_list:
-        raise InvalidInput(
-            "a table [posterior] needs parameters, a list of names, and samples, a list of rows"
-        )
-    if noise and "log_sigma" not in noise:
-        raise InvalidInput(
-            "a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in "
-            "radians"
-        )
-    # What these are made of is checked where they are made.
-    given = None
-    if posterior:
-        given = MaterialPosterior(tuple(names), tuple(samples))  # type: ignore[arg-type]
+    if noise:
+        why = ", the logarithm of its standard deviation in radians"
+        _require("table [cycle_noise]", noise, ("log_sigma",), why)
     return Material(
         str(table.get("name", name)),
-        _friction_of(friction),
+        _friction_of(_table(table, "friction")),
         provenance=str(table.get("provenance", "")),
         misfit=str(table.get("misfit", "")),
         inferred=inferred,
-        found_with=FoundWith(**together),
+        found_with=_found_with_of(table),
         wear=_wear_of(_table(table, "worn")),
         plates=_plates_of(table),
-        posterior=given,
+        posterior=_posterior_of(_table(table, "posterior", ("parameters", "samples"))),
         noise=CycleNoise(**noise) if noise else None,  # type: ignore[arg-type]
         frames=tuple(frames),
         floor=shape_of_numbers(_table(table, "floor_shape", FLOOR_SHAPE_KEYS), FLOOR_SHAPE_KEYS),
@@ -228,6 +199,47 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         session_spread=(dome, bow_x, bow_y),
         field=_field_of(_table(table, "floor_field", FIELD_KEYS)),
     )
+
+
+def _found_with_of(table: dict[str, object]) -> FoundWith:
+    for key in _table(table, "found_with"):
+        if key in PLATE_KEYS:
+            raise InvalidInput(
+                f"{key} belongs to a plate: move it to a table [plates.NAME], such as "
+                "[plates.rect1]"
+            )
+    together = {}
+    for key, value in _table(table, "found_with", tuple(FOUND_KEYS)).items():
+        field, unit = FOUND_KEYS[key]
+        together[field] = unit * finite_number(key, value)
+    return FoundWith(**together)
+
+
+def _posterior_of(table: dict[str, object]) -> MaterialPosterior | None:
+    """What it is made of is checked where it is made."""
+    names, samples = table.get("parameters"), table.get("samples")
+    if not table:
+        return None
+    if (
+        isinstance(names, list)
+        and isinstance(samples, list)
+        and all(isinstance(name, str) for name in names)
+    ):
+        return MaterialPosterior(tuple(names), tuple(samples))
+    raise InvalidInput(
+        "a table [posterior] needs parameters, a list of names, and samples, a list of rows"
+    )
+
+
+def _numbers_of(table: dict[str, object], keys: tuple[str, ...]) -> list[float]:
+    """The numbers under some keys, zero where there is none."""
+    return [finite_number(key, table.get(key, 0.0)) for key in keys]
+
+
+def _require(what: str, table: dict[str, object], keys: tuple[str, ...], why: str) -> None:
+    for key in keys:
+        if key not in table:
+            raise InvalidInput(f"a {what} needs {key}{why}")
 
 
 def _refuse_unknown(what: str, keys: Iterable[str], known: tuple[str, ...]) -> None:
@@ -261,12 +273,11 @@ def _tables(
 def _friction_of(values: dict[str, object]) -> EllipseFriction:
     """The friction law of a table whose angle is `phi_deg`; m0, n0, phi_deg, left out, are zero."""
     _refuse_unknown("friction key", values, FRICTION_KEYS)
-    for key in ("mu_a", "mu_b"):
-        if key not in values:
-            raise InvalidInput(
-                f"a friction table needs {key}: friction coefficients along the material's axes "
-                "are mu_a and mu_b, the same number twice where it is the same in every direction"
-            )
+    why = (
+        ": friction coefficients along the material's axes are mu_a and mu_b, the same number "
+        "twice where it is the same in every direction"
+    )
+    _require("friction table", values, ("mu_a", "mu_b"), why)
     checked = {key: finite_number(f"friction key {key}", value) for key, value in values.items()}
     return EllipseFriction(phi=math.radians(checked.pop("phi_deg", 0.0)), **checked)
 
@@ -274,12 +285,11 @@ def _friction_of(values: dict[str, object]) -> EllipseFriction:
 def _field_of(numbers: dict[str, object]) -> FloorField | None:
     if not numbers:
         return None
-    for key in FIELD_KEYS:
-        if key not in numbers:
-            raise InvalidInput(
-                f"a table [floor_field] needs {key}: dome_kpa, bow_x_kpa and bow_y_kpa, each a "
-                "list of factors of X, Y, X^2, X Y, Y^2 in 50 mm from the target, and reach_mm"
-            )
+    why = (
+        ": dome_kpa, bow_x_kpa and bow_y_kpa, each a list of factors of X, Y, X^2, X Y, Y^2 in "
+        "50 mm from the target, and reach_mm"
+    )
+    _require("table [floor_field]", numbers, FIELD_KEYS, why)
     rows = []
     for key in SPREAD_KEYS:
         rows.append(finite_array(key, numbers[key], last=5, ndim=1))  # type: ignore[arg-type]
@@ -290,11 +300,8 @@ def _field_of(numbers: dict[str, object]) -> FloorField | None:
 def _wear_of(worn: dict[str, object]) -> Wear | None:
     if not worn:
         return None
-    if "cycles" not in worn:
-        raise InvalidInput(
-            "a table [worn] needs cycles, the number of cycles after which the friction is the "
-            "one it has"
-        )
+    why = ", the number of cycles after which the friction is the one it has"
+    _require("table [worn]", worn, ("cycles",), why)
     cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
     shape = {key: worn.pop(key) for key in FLOOR_SHAPE_KEYS if key in worn}
     floor = shape_of_numbers(shape, FLOOR_SHAPE_KEYS) if shape else None
@@ -331,14 +338,12 @@ def material_toml(material: Material) -> str:
     """
     tables: dict[str, dict[str, object]] = {"friction": _numbers(material.friction)}
     if material.wear is not None:
-        course = {"course": material.wear.course} if material.wear.course else {}
-        tables["worn"] = {
-            "cycles": material.wear.cycles,
-            **_numbers(material.wear.friction),
-            **course,
-        }
+        worn = {"cycles": material.wear.cycles, **_numbers(material.wear.friction)}
+        if material.wear.course:
+            worn["course"] = material.wear.course
         if material.wear.floor is not None:
-            tables["worn"] |= shape_numbers(material.wear.floor, FLOOR_SHAPE_KEYS)
+            worn |= shape_numbers(material.wear.floor, FLOOR_SHAPE_KEYS)
+        tables["worn"] = worn
     if not material.floor.is_flat:
         tables["floor_shape"] = {**shape_numbers(material.floor, FLOOR_SHAPE_KEYS)}
     for session in material.sessions:

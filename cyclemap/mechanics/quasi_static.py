@@ -283,7 +283,7 @@ class QuasiStaticModel:
         index, coordinate, by_fraction = side_coordinate(
             outline, self.curve.pieces, push.side, push.fraction
         )
-        contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
+        contact = self.curve.pieces[index].contact(coordinate, self.radius)
         return replace(
             self._still,
             start_piece=index,
@@ -304,7 +304,7 @@ class QuasiStaticModel:
                 f"the rod never touches the object: from {push.start} m its path in direction "
                 f"{push.direction:.6g} rad passes it by or points away"
             )
-        contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
+        contact = self.curve.pieces[index].contact(coordinate, self.radius)
         if travel * math.cos(push.direction - pose.theta - contact.normal) > OVERLAP:
             raise RodInsideObject(
                 f"the rod starts inside the object, at {push.start} m: move its start outside"

@@ -123,11 +123,11 @@ def told_settings(
     layers = [] if data is None else [data_settings(data)]
     if options.material is not None and options.material.endswith(".toml"):
         layers.append(read_settings(options.material))
-    told, strategy = protocol_of(options)
+    given, strategy = protocol_of(options)
     material: str | Path | None = options.material
     if material is None and options.protocol is not None and names_surface(options.protocol):
         material = options.protocol
-    return material, layered(*layers, told, set_settings(options.settings)), strategy
+    return material, layered(*layers, given, set_settings(options.settings)), strategy
 
 
 def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy | None]:
@@ -150,7 +150,7 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
     """
     settings: dict[str, object] = {}
     for pair in pairs:
-        key, equals, value = (part.strip() for part in pair.partition("="))
+        key, equals, value = (word.strip() for word in pair.partition("="))
         if not (key and equals and value):
             raise InvalidInput(f"--set {pair!r} is not of the form key=value")
         settings[key] = SETTINGS[key].parsed(value) if key in SETTINGS else value

@@ -57,11 +57,11 @@ _LARGEST_GRID = 64
 _TABLES = {"object": ("Object", "Pressure", "Shape"), "push": ("Push", "Rod"), "reset": ("Ring",)}
 # Settings that are read off a loop one by one; its outline, name, pressure and surface are not.
 _READ_OFF = [
-    one
-    for one in SETTINGS.values()
-    if one.group in ("Object", "Ring", "Push", "Rod")
-    and one.kind != WORD
-    and one.place != "slider.outline"
+    setting
+    for setting in SETTINGS.values()
+    if setting.group in ("Object", "Ring", "Push", "Rod")
+    and setting.kind != WORD
+    and setting.place != "slider.outline"
 ]
 
 
@@ -87,32 +87,22 @@ def collection_tables(
     hitch = zip(("hitch_x_mm", "hitch_y_mm"), loop.slider.hitch, strict=True)
     ring = {key: _written(MILLIMETRES, value) for key, value in hitch} if own else {}
     start = loop_from_settings(plain_numbers({**shape, **ring}), base)
-    told = {**shape, **_footprint(loop, start)}
+    settings = {**shape, **_footprint(loop, start)}
     for setting in _READ_OFF:
         always = setting.told == ALWAYS or (own and setting.told == OWN)
         # A coordinate says a place only beside the other.
-        part = setting.place.removesuffix(".0").removesuffix(".1")
-        if always or not _same(attrgetter(part)(loop), attrgetter(part)(start)):
-            told[setting.key] = _written(setting.unit, setting.of(loop))
+        place = setting.place.removesuffix(".0").removesuffix(".1")
+        if always or not _same(attrgetter(place)(loop), attrgetter(place)(start)):
+            settings[setting.key] = _written(setting.unit, setting.of(loop))
     tables: dict[str, Table] = {
         name: {
-            key: told[key]
+            key: settings[key]
             for key, setting in SETTINGS.items()
-            if key in told and setting.group in groups
+            if key in settings and setting.group in groups
         }
         for name, groups in _TABLES.items()
     }
-    found = loop_from_settings(plain_numbers(told), base)
-    lost = (
-        [] if _same(loop.slider.outline_points(8), found.slider.outline_points(8)) else ["outline"]
-    )
-    lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
-    # A footprint that is left to the centre of mass is compared as what it comes to.
-    pressures = [
-        one.footprint or PatchFootprint(one.slider.outline, centre=one.slider.centre_of_mass)
-        for one in (loop, found)
-    ]
-    lost += [] if _same_footprint(*pressures) else ["footprint"]
+    lost = _unlike(loop, loop_from_settings(plain_numbers(settings), base))
     if lost:
         raise InvalidInput(
             f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as "
@@ -124,12 +114,25 @@ def collection_tables(
     return {name: table for name, table in tables.items() if table}
 
 
+def _unlike(loop: CollectionLoop, other: CollectionLoop) -> list[str]:
+    """The settings by which two loops differ."""
+    keys = [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(other))]
+    if not _same(loop.slider.outline_points(8), other.slider.outline_points(8)):
+        keys.insert(0, "outline")
+    # A footprint that is left to the centre of mass is compared as what it comes to.
+    pressures = [
+        each.footprint or PatchFootprint(each.slider.outline, centre=each.slider.centre_of_mass)
+        for each in (loop, other)
+    ]
+    return keys if _same_footprint(*pressures) else [*keys, "footprint"]
+
+
 def plain_numbers(value: Any) -> Any:
     """Return a value of a file with doubles in place of decimals, in lists and tables too."""
     if isinstance(value, dict):
-        return {key: plain_numbers(part) for key, part in value.items()}
+        return {key: plain_numbers(entry) for key, entry in value.items()}
     if isinstance(value, list):
-        return [plain_numbers(part) for part in value]
+        return [plain_numbers(entry) for entry in value]
     return float(value) if isinstance(value, Decimal) else value
 
 
@@ -138,7 +141,7 @@ def _written(unit: Unit, value: Any) -> object:
     comes nearest.
     """
     if isinstance(value, (tuple, list)):
-        return [_written(unit, part) for part in value]
+        return [_written(unit, entry) for entry in value]
     return value if unit is NUMBER else Decimal(repr(float(unit.written(value))))
 
 
@@ -157,43 +160,47 @@ def _shape(slider: Slider) -> Settings:
 
 
 def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
-    found = loop.footprint
-    if _same_footprint(found, start.footprint):
+    footprint = loop.footprint
+    if _same_footprint(footprint, start.footprint):
         return {}
-    if found is None:
+    if footprint is None:
         return {"footprint": "exact"}
-    if isinstance(found, PressedFootprint):
+    if isinstance(footprint, PressedFootprint):
         shapes = {key: SETTINGS[key] for key in SHAPES}
         return {key: _written(setting.unit, setting.of(loop)) for key, setting in shapes.items()}
-    if isinstance(found, PatchFootprint):
-        return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
+    if isinstance(footprint, PatchFootprint):
+        return {"footprint": "exact", **{name: getattr(footprint, name) for name in SHARES}}
     names = ["corners"] if isinstance(loop.slider.outline, Polygon) else []
     for name in (*names, *(f"grid:{count}" for count in range(2, _LARGEST_GRID + 1))):
-        if _same_footprint(found, parse_footprint(name, loop.slider.outline)):
+        if _same_footprint(footprint, parse_footprint(name, loop.slider.outline)):
             return {"footprint": name}
     raise InvalidInput(
-        f"{len(found.positions)} support points are neither corners nor a grid: a protocol names "
-        "them by their CSV file; write it without them, and add footprint = FILE.csv by hand"
+        f"{len(footprint.positions)} support points are neither corners nor a grid: a protocol "
+        "names them by their CSV file; write it without them, and add footprint = FILE.csv by hand"
     )
 
 
-def _same_footprint(one: object, other: object) -> bool:
-    if isinstance(one, PointFootprint) and isinstance(other, PointFootprint):
-        return _same(one.positions, other.positions) and _same(one.weights, other.weights)
-    if isinstance(one, PressedFootprint) and isinstance(other, PressedFootprint):
-        return one.is_near(other)
-    if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
-        alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
-        return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
-    return one == other
+def _same_footprint(first: object, other: object) -> bool:
+    if isinstance(first, PointFootprint) and isinstance(other, PointFootprint):
+        return _same(first.positions, other.positions) and _same(first.weights, other.weights)
+    if isinstance(first, PressedFootprint) and isinstance(other, PressedFootprint):
+        return first.is_near(other)
+    if isinstance(first, PatchFootprint) and isinstance(other, PatchFootprint):
+        alike = all(_same(getattr(first, name), getattr(other, name)) for name in SHARES)
+        return alike and bool(np.allclose(first.gradient, other.gradient, rtol=1e-9, atol=1e-9))
+    return first == other
 
 
-def _same(one: object, other: object) -> bool:
-    a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+def _same(first: object, other: object) -> bool:
+    a = np.asarray(first, dtype=float)
+    b = np.asarray(other, dtype=float)
     return a.shape == b.shape and bool(np.all(np.abs(a - b) <= _ROUNDING))
 
 
-STRATEGY, PREDICTED, SIMULATION, DATA = "strategy", "predicted", "simulation", "data"
+STRATEGY = "strategy"
+PREDICTED = "predicted"
+SIMULATION = "simulation"
+DATA = "data"
 # Data folders keep the collection that they are of under this name.
 FILE_NAME = "collection.toml"
 _PASSED_OVER = {*FILE_KEYS, STRATEGY, PREDICTED, SIMULATION, DATA} - {"friction"}
@@ -214,10 +221,10 @@ def read_settings(path: str | Path) -> Settings:
     check_checksum(path, text)
     settings: Settings = {}
     # Decimals, so that no number is rounded before its unit is known.
-    for name, found in read_toml(path, Decimal).items():
-        if name in _PASSED_OVER or _is_surface(name, found):
+    for name, given in read_toml(path, Decimal).items():
+        if name in _PASSED_OVER or _is_surface(name, given):
             continue
-        table, entries = (name, found) if isinstance(found, dict) else ("", {name: found})
+        table, entries = (name, given) if isinstance(given, dict) else ("", {name: given})
         for key, value in entries.items():
             with located(key_place(path, text, table, key), DataFileError):
                 if key in settings:
@@ -293,10 +300,10 @@ def data_table(data: str | Path) -> Settings:
     empty without one.
     """
     file = _collection_of(data)
-    found = {} if file is None else read_toml(file).get(DATA, {})
-    if not isinstance(found, dict):
-        raise DataFileError(f"{file}: {DATA} must be a table, [data], not {found!r}")
-    return found
+    table = {} if file is None else read_toml(file).get(DATA, {})
+    if not isinstance(table, dict):
+        raise DataFileError(f"{file}: {DATA} must be a table, [data], not {table!r}")
+    return table
 
 
 def _collection_of(data: str | Path) -> Path | None:

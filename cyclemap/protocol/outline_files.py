@@ -14,15 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.mechanics import Polygon
 from cyclemap.plain_text import install_words, plain_number
 from cyclemap.text_files import read_bytes, read_text
-
-Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 # What headers call them.
@@ -133,11 +131,13 @@ def read_outline(
     2400
     """
     path = Path(path)
-    kind, known = path.suffix.lower(), "in the file's own unit"
+    kind = path.suffix.lower()
+    known = "in the file's own unit"
     own: float | None
     if kind == ".csv":
         line, named = _csv_vertices(path)
-        lines, own = [line], None if named is None else UNITS[named]
+        lines = [line]
+        own = None if named is None else UNITS[named]
     else:
         read_bytes(path, 2**26)
         if kind == ".svg":
@@ -146,9 +146,11 @@ def read_outline(
         elif kind == ".dxf":
             lines, own = _dxf_lines(path)
         elif kind in MESHES:
-            lines, own = _mesh_outlines(_loaded_mesh(path), underside, path), None
+            lines = _mesh_outlines(_loaded_mesh(path), underside, path)
+            own = None
         elif kind == ".urdf":
-            lines, own = _mesh_outlines(_urdf_mesh(path), underside, path), 1.0
+            lines = _mesh_outlines(_urdf_mesh(path), underside, path)
+            own = 1.0
         else:
             listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
             raise InvalidInput(
@@ -157,15 +159,14 @@ def read_outline(
             )
     line = _largest(path, lines)
     if unit is not None:
-        metres, known = UNITS[unit], f"as told, in {unit}"
+        metres = UNITS[unit]
+        known = f"as told, in {unit}"
     elif own is not None:
         metres = own
     else:
         guess = "m" if float(np.ptp(line, axis=0).max()) < _METRES_BELOW else "mm"
-        metres, known = (
-            UNITS[guess],
-            f"in {guess}, guessed by its size: give --unit where that is wrong",
-        )
+        metres = UNITS[guess]
+        known = f"in {guess}, guessed by its size: give --unit where that is wrong"
     if len(lines) > 1:
         known += f"; the largest of {len(lines)} closed lines, the others left out, as holes are"
     return _finished(path, metres * line, known, tolerance)
@@ -193,11 +194,11 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
     points = np.roll(points, -int(np.argmax(points.sum(axis=1).round(9))), axis=0)
     outline = Polygon(tuple(map(tuple, points.round(9).tolist())))
     width, height = 1e3 * np.ptp(points, axis=0)
-    told = (
+    words = (
         f"{path.name}: {width:.4g} x {height:.4g} mm, {known}; {outline.sides} sides of {drawn} "
         f"points, simplified within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
     )
-    return OutlineFile(outline, (told,))
+    return OutlineFile(outline, (words,))
 
 
 def _largest(path: Path, lines: Sequence[Array]) -> Array:
@@ -218,27 +219,31 @@ def _csv_vertices(path: Path) -> tuple[Array, str | None]:
     they are x and y.
     """
     text = enumerate(read_text(path, "CSV").splitlines(), 1)
-    kept = [(number, line) for number, line in text if line.strip(" ,;\t") and line[0] != "#"]
-    numbers, lines = [number for number, _ in kept], [line for _, line in kept]
+    kept = [(place, line) for place, line in text if line.strip(" ,;\t") and line[0] != "#"]
+    numbers = [place for place, _ in kept]
+    lines = [line for _, line in kept]
     separator = next((sign for sign in ";\t" if lines and sign in lines[0]), ",")
     # Where another sign divides the columns a comma is a decimal one.
     rows = [[field.strip().strip('"\ufeff') for field in line.split(separator)] for line in lines]
     if separator != ",":
         rows = [[field.replace(",", ".") for field in row] for row in rows]
-    columns, unit = (0, 1), None
+    columns = (0, 1)
+    unit = None
     if rows and not all(_is_number(field) for field in rows[0] if field):
         columns, unit = _named_columns(path, rows[0])
-        rows, lines, numbers = rows[1:], lines[1:], numbers[1:]
+        rows = rows[1:]
+        lines = lines[1:]
+        numbers = numbers[1:]
     elif rows and len([field for field in rows[0] if field]) != 2:
-        told = f"{len(rows[0])} columns without names: which are x and y?"
-        raise DataFileError(f"{path}: {told} Give a header line, such as x_mm,y_mm")
+        problem = f"{len(rows[0])} columns without names: which are x and y?"
+        raise DataFileError(f"{path}: {problem} Give a header line, such as x_mm,y_mm")
     points = []
-    for row, line, number in zip(rows, lines, numbers, strict=True):
+    for row, line, place in zip(rows, lines, numbers, strict=True):
         try:
             points.append([plain_number(row[column]) for column in columns])
         except (ValueError, IndexError) as error:
             raise DataFileError(
-                f"{path}, line {number}: two numbers x,y are wanted, not {line[:60]!r}"
+                f"{path}, line {place}: two numbers x,y are wanted, not {line[:60]!r}"
             ) from error
     if len(points) < 3:
         raise DataFileError(
@@ -257,23 +262,23 @@ def _is_number(text: str) -> bool:
 
 def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], str | None]:
     """Where a header has x and y, and the unit that it names."""
-    found: dict[str, tuple[int, str]] = {}
-    for number, name in enumerate(header):
+    axes: dict[str, tuple[int, str]] = {}
+    for index, name in enumerate(header):
         match = re.fullmatch(
             r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?", name.strip().lower()
         )
-        if match and match[1] in found:
+        if match and match[1] in axes:
             raise DataFileError(
-                f"{path}: {header[found[match[1]][0]]} and {name} may both be {match[1]}: keep one"
+                f"{path}: {header[axes[match[1]][0]]} and {name} may both be {match[1]}: keep one"
             )
         if match:
-            found[match[1]] = number, match[2] or ""
-    if set(found) != {"x", "y"}:
+            axes[match[1]] = index, match[2] or ""
+    if set(axes) != {"x", "y"}:
         raise DataFileError(
             f"{path}: the header is {','.join(header)[:80]}: name the columns x and y, such as "
             "x_mm,y_mm"
         )
-    named = {unit for _, unit in found.values()}
+    named = {unit for _, unit in axes.values()}
     if len(named) > 1:
         raise DataFileError(
             f"{path}: x and y in different units ({', '.join(sorted(named))}): write them in one"
@@ -281,7 +286,7 @@ def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], 
     (word,) = named
     if word and word not in _UNIT_WORDS:
         raise DataFileError(f"{path}: {word} is no unit that is known: give {', '.join(UNITS)}")
-    return (found["x"][0], found["y"][0]), _UNIT_WORDS.get(word)
+    return (axes["x"][0], axes["y"][0]), _UNIT_WORDS.get(word)
 
 
 def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
@@ -292,14 +297,14 @@ def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
         paths = svg.Document(str(path)).paths()
     except Exception as error:
         raise DataFileError(f"{path}: not an SVG drawing that can be read ({error})") from error
-    curves = sum(len(one) for one in paths)
+    curves = sum(len(drawn) for drawn in paths)
     require_room(f"{path}: its {curves} curves", curves, "simplify the drawing", _MOST_CURVES)
     most_pieces = max(1, min(_PIECES, _MOST_CURVES // max(curves, 1)))
     lines = []
-    for one in paths:
-        for part in one.continuous_subpaths():
-            ends = [part.start]
-            for segment in part:
+    for drawn in paths:
+        for line in drawn.continuous_subpaths():
+            ends = [line.start]
+            for segment in line:
                 pieces = 1 if type(segment).__name__ == "Line" else most_pieces
                 ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
             if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(
@@ -307,16 +312,16 @@ def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
             ):
                 lines.append(np.array([[end.real, -end.imag] for end in ends]))
     # One unit of the drawing, m: its width in the world over its width in the drawing's own units.
-    width, box = (
-        (root.get("width") or "").strip(),
-        (root.get("viewBox") or "").replace(",", " ").split(),
-    )
+    width = (root.get("width") or "").strip()
+    box = (root.get("viewBox") or "").replace(",", " ").split()
     digits = width.rstrip("abcdefghijklmnopqrstuvwxyz%")
     try:
-        name, across = width[len(digits) :], plain_number(digits)
+        name = width[len(digits) :]
+        across = plain_number(digits)
         unit = _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
     except (ValueError, KeyError):
-        name, unit = "", _SVG_UNITS["px"]
+        name = ""
+        unit = _SVG_UNITS["px"]
     return lines, unit, name not in ("", "px")
 
 
@@ -353,7 +358,7 @@ def _dxf_lines(path: Path) -> tuple[list[Array], float | None]:
         if not any(piece is ring for ring in closed)
     ]
     if rest:
-        closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
+        closed += [np.array(polygon.exterior.coords) for polygon in shapely.polygonize(rest).geoms]
     return closed, None if unit is None else UNITS[unit]
 
 
@@ -372,22 +377,23 @@ def _mesh_outlines(triangles: Array, underside: bool, path: Path) -> list[Array]
     if not len(triangles):
         raise DataFileError(f"{path}: the mesh has no triangles")
     if underside:
-        low, high = triangles[..., 2].min(), triangles[..., 2].max()
+        low = triangles[..., 2].min()
+        high = triangles[..., 2].max()
         triangles = triangles[(triangles[..., 2] <= low + _UNDERSIDE * (high - low)).all(axis=1)]
     flat = [shapely.Polygon(corners) for corners in triangles[..., :2]]
     size = float(np.ptp(triangles[..., :2], axis=(0, 1)).max()) if len(triangles) else 0.0
     # Triangles meet within rounding of the file only: a hair's breadth closes the seams.
     hair = 1e-6 * size
-    parts = [
+    shadows = [
         triangle.buffer(hair, join_style="mitre")
         for triangle in flat
         if triangle.area > 1e-12 * size * size
     ]
-    union = shapely.union_all(parts).buffer(-hair, join_style="mitre")
+    union = shapely.union_all(shadows).buffer(-hair, join_style="mitre")
     return [
-        np.array(part.exterior.coords)
-        for part in getattr(union, "geoms", [union])
-        if not part.is_empty
+        np.array(polygon.exterior.coords)
+        for polygon in getattr(union, "geoms", [union])
+        if not polygon.is_empty
     ]
 
 
@@ -406,11 +412,12 @@ def _urdf_mesh(path: Path) -> Array:
             "the object's alone"
         )
     link = next(iter(links.values()))
-    parts = link.findall("collision") or link.findall("visual")
+    elements = link.findall("collision") or link.findall("visual")
     try:
         placed = []
-        for part in parts:
-            triangles, origin = _geometry(part.find("geometry"), path), part.find("origin")
+        for element in elements:
+            triangles = _geometry(element.find("geometry"), path)
+            origin = element.find("origin")
             if origin is not None:
                 angles = _numbers(origin.get("rpy") or "0 0 0")
                 turn = _library("trimesh").transformations.euler_matrix(*angles, "sxyz")[:3, :3]
@@ -426,11 +433,13 @@ def _urdf_mesh(path: Path) -> Array:
 
 
 def _geometry(geometry: Any, path: Path) -> Array:
-    trimesh, shape = _library("trimesh"), geometry[0]
+    trimesh = _library("trimesh")
+    shape = geometry[0]
     if shape.tag == "box":
         return np.asarray(trimesh.creation.box(_numbers(shape.get("size"))).triangles)
     if shape.tag == "cylinder":
-        radius, length = float(shape.get("radius")), float(shape.get("length"))
+        radius = float(shape.get("radius"))
+        length = float(shape.get("length"))
         return np.asarray(trimesh.creation.cylinder(radius, length, sections=_PIECES).triangles)
     if shape.tag == "mesh":
         name = str(shape.get("filename")).rpartition("://")[2]
@@ -445,7 +454,7 @@ def _geometry(geometry: Any, path: Path) -> Array:
 
 
 def _numbers(text: str | None) -> list[float]:
-    return [plain_number(part) for part in (text or "").split()]
+    return [plain_number(word) for word in (text or "").split()]
 
 
 def _library(name: str) -> Any:

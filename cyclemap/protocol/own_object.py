@@ -23,13 +23,18 @@ from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_se
 MM = 1000.0
 # MIT's experiment by the size of its object, the square root of the plate's area: where the ring
 # is, how far it pushes.
-_RING, _PUSH, _FRACTION = 15.0 / 90.0, 150.0 / 90.0, 0.7
+_RING = 15.0 / 90.0
+_PUSH = 150.0 / 90.0
+_FRACTION = 0.7
 # Degrees of a push on a disc, and how far the axes of what counts as one may differ.
-_SLANT, _ROUND = 15.0, 1.02
+_SLANT = 15.0
+_ROUND = 1.02
 _RULED_MM = 5.0
 # Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none
 # that is heavier (kg).
-_SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
+_SMALLEST = 0.01
+_LARGEST = 1.0
+_HEAVIEST = 50.0
 _MOST_RATIO = 2.0
 # Where a ring would lie beside a bent object, it comes to the nearest of so many cells a side
 # inside.
@@ -37,7 +42,11 @@ _CELLS = 40
 _AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
 # A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter
 # than this neither.
-_SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
+_SHORT_LEVER = 0.03
+_SHORT_PUSH = 0.1
+
+# Whether something is doubtful, and what is said of it.
+Doubts = tuple[tuple[bool, str], ...]
 
 
 def first_settings(outline: Outline, name: str) -> Settings:
@@ -47,16 +56,21 @@ def first_settings(outline: Outline, name: str) -> Settings:
     centroid to the corner that ends it; a disc, which no straight push turns, is pushed at a slant.
     Rod and friction are MIT's rod and no surface at all: they want to be measured.
     """
-    size, centre = math.sqrt(outline.area), np.array(outline.centroid)
+    size = math.sqrt(outline.area)
+    centre = np.array(outline.centroid)
     if isinstance(outline, Ellipse):
         shape: Settings = {"semi_x_mm": MM * outline.semi_x, "semi_y_mm": MM * outline.semi_y}
-        side, corner = 0, np.array([-outline.semi_x, outline.semi_y])
+        side = 0
+        corner = np.array([-outline.semi_x, outline.semi_y])
         slant = _SLANT if 1.0 / _ROUND < outline.semi_x / outline.semi_y < _ROUND else 0.0
     else:
         shape = {
-            "vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]
+            "vertices_mm": [
+                [round(MM * coordinate, 6) for coordinate in vertex] for vertex in outline.vertices
+            ]
         }
-        side, slant = _longest_outer_side(outline), 0.0
+        side = _longest_outer_side(outline)
+        slant = 0.0
         corner = outline.array[(side + 1) % outline.sides]
     ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
     if not outline.contains(ring):
@@ -183,18 +197,19 @@ def check_collection(path: str | Path) -> CheckedCollection:
     >>> checked.findings[0].words.split(":")[0]
     'the rod slides past the edge after 154 of 1500 mm (from θ0 = 270°)'
     """
-    (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
-    told = [
+    (settings, _) = without_noise(read_settings(path))
+    has_surface = names_surface(path)
+    doubtful = [
         f"{words} is not said, so it is that of MIT's experiment: give {', '.join(keys)}"
         for words, keys in inherited_defaults(settings).items()
     ]
     if not {"vertices_mm", "semi_x_mm", "shape"} & set(settings):
-        told.append(
+        doubtful.append(
             "no object is said, so it is MIT's 90 mm square rect1: give vertices_mm, semi_x_mm "
             "and semi_y_mm, or shape"
         )
     if not has_surface:
-        told.append(
+        doubtful.append(
             "no surface is said: give a table [friction] with mu_a and mu_b, or name a material "
             "with each command"
         )
@@ -207,61 +222,74 @@ def check_collection(path: str | Path) -> CheckedCollection:
             _ = loop.model
         except InvalidInput as error:
             return CheckedCollection(
-                None, (Finding(True, str(error)), *(Finding(False, words) for words in told))
+                None, (Finding(True, str(error)), *(Finding(False, words) for words in doubtful))
             )
-    told += [*dict.fromkeys(str(doubt.message) for doubt in doubts), *_unusual(loop)]
-    return CheckedCollection(loop, (*_strokes(loop), *(Finding(False, words) for words in told)))
+    doubtful += [*dict.fromkeys(str(doubt.message) for doubt in doubts), *_unusual(loop)]
+    return CheckedCollection(
+        loop, (*_strokes(loop), *(Finding(False, words) for words in doubtful))
+    )
 
 
 def _unusual(loop: CollectionLoop) -> list[str]:
     """What is odd about the sizes and frictions of a loop."""
-    slider, law = loop.slider, loop.material.friction
-    reach, told = slider.outline.extent, []
-    size = f"the object reaches {MM * reach:.4g} mm from its centre"
-    if reach < _SMALLEST:
-        told.append(
-            f"{size}: were its lengths given in metres or centimetres? They are read as millimetres"
-        )
-    if reach > _LARGEST:
-        told.append(f"{size}: were its lengths given in finer units than millimetres?")
+    slider = loop.slider
+    reach = slider.outline.extent
     away = math.dist(slider.outline.centroid, (0.0, 0.0))
-    if away > reach:
-        told.append(
+    lever = math.dist(slider.hitch, slider.centre_of_mass)
+    size = f"the object reaches {MM * reach:.4g} mm from its centre"
+    doubts: Doubts = (
+        (
+            reach < _SMALLEST,
+            f"{size}: were its lengths given in metres or centimetres? They are read as "
+            "millimetres",
+        ),
+        (reach > _LARGEST, f"{size}: were its lengths given in finer units than millimetres?"),
+        (
+            away > reach,
             f"{size}, which is {MM * away:.4g} mm from the origin of its frame: was the drawing "
-            "not centred?"
-        )
-    if math.dist(slider.hitch, slider.centre_of_mass) < _SHORT_LEVER * reach:
-        told.append(
-            "the ring is all but at the centre of mass: the drag back will hardly turn the object"
-        )
-    if slider.mass > _HEAVIEST:
-        told.append(f"the mass is {slider.mass:g} kg: was it given in grams?")
+            "not centred?",
+        ),
+        (
+            lever < _SHORT_LEVER * reach,
+            "the ring is all but at the centre of mass: the drag back will hardly turn the object",
+        ),
+        (slider.mass > _HEAVIEST, f"the mass is {slider.mass:g} kg: was it given in grams?"),
+        *_unusual_friction(loop),
+    )
+    return [words for is_so, words in doubts if is_so]
+
+
+def _unusual_friction(loop: CollectionLoop) -> Doubts:
+    law = loop.material.friction
     low, high = sorted((law.mu_a, law.mu_b))
-    if low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high:
-        told.append(
-            f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual"
-        )
-    if high > _MOST_RATIO * low:
-        told.append(
+    return (
+        (
+            low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high,
+            f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual",
+        ),
+        (
+            high > _MOST_RATIO * low,
             f"friction is {high / low:.3g} times as large in one direction as in another; "
-            "measured ones reach 1.6"
-        )
-    if loop.pusher.friction > SETTINGS["pusher_mu"].high:
-        told.append(
-            f"friction of {loop.pusher.friction:g} between rod and object is that of rubber"
-        )
-    if law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0:
-        told.append(
+            "measured ones reach 1.6",
+        ),
+        (
+            loop.pusher.friction > SETTINGS["pusher_mu"].high,
+            f"friction of {loop.pusher.friction:g} between rod and object is that of rubber",
+        ),
+        (
+            law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0,
             "friction is the same in every direction, so that no push direction is preferred: a "
-            "guess to start with; cyclemap identify finds it from data"
-        )
-    return told
+            "guess to start with; cyclemap identify finds it from data",
+        ),
+    )
 
 
 def _strokes(loop: CollectionLoop) -> list[Finding]:
     """What running the cycle from orientations all around shows."""
-    coarse, asked = replace(loop, accuracy=1e-6), loop.push.distance
-    shortest, turns = (math.inf, 0.0), []
+    coarse = replace(loop, accuracy=1e-6)
+    asked = loop.push.distance
+    shortest = (math.inf, 0.0)
+    turns = []
     for theta in _AROUND:
         try:
             cycle = coarse.cycle(theta)
@@ -269,20 +297,21 @@ def _strokes(loop: CollectionLoop) -> list[Finding]:
             return [Finding(True, f"from θ0 = {math.degrees(theta):.0f}°: {error}")]
         shortest = min(shortest, (cycle.push.travel, theta))
         turns.append(abs(cycle.push_turn))
-    told = []
-    if shortest[0] < asked * (1.0 - 1e-9):
-        told.append(
+    doubts = (
+        (
+            shortest[0] < asked * (1.0 - 1e-9),
             f"the rod slides past the edge after {MM * shortest[0]:.0f} of {MM * asked:.0f} mm "
             f"(from θ0 = {math.degrees(shortest[1]):.0f}°): take a shorter push_mm, or push "
-            "nearer to the middle"
-        )
-    if asked < _SHORT_PUSH * loop.slider.outline.extent:
-        told.append(
-            f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?"
-        )
-    if max(turns) < math.radians(1.0):
-        told.append(
+            "nearer to the middle",
+        ),
+        (
+            asked < _SHORT_PUSH * loop.slider.outline.extent,
+            f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?",
+        ),
+        (
+            max(turns) < math.radians(1.0),
             "the push goes through the centre of friction and does not turn the object: move the "
-            "contact or slant it"
-        )
-    return [Finding(False, words) for words in told]
+            "contact or slant it",
+        ),
+    )
+    return [Finding(False, words) for is_so, words in doubts if is_so]

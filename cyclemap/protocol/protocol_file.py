@@ -93,19 +93,19 @@ def protocol_text(
 ) -> str:
     """Return the text that `write_protocol` writes."""
     tables = collection_tables(loop, noise)
-    x, y = (1e3 * part for part in loop.slider.hitch)
-    told = [
+    x, y = (1e3 * coordinate for coordinate in loop.slider.hitch)
+    comments = [
         *_COMMENTS,
         f"Written for {loop.material.name}, with the ring at ({x:.4f}, {y:.4f}) mm of the object.",
     ]
     if strategy is not None:
         tables[STRATEGY] = _strategy_table(strategy)
         needs = f"; needs: {', '.join(strategy.needs)}" if strategy.needs else ""
-        told.append(f"{len(strategy.actions)} actions, {strategy.order}{needs}")
+        comments.append(f"{len(strategy.actions)} actions, {strategy.order}{needs}")
     if predicted is not None:
         _check_prediction(predicted)
         tables[PREDICTED] = {key: value for key, value in predicted.items() if value is not None}
-    return with_checksum(toml_text(tables, tuple(told)))
+    return with_checksum(toml_text(tables, tuple(comments)))
 
 
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
@@ -154,9 +154,9 @@ def _check_prediction(table: object) -> None:
     for key, value in table.items():
         if not isinstance(key, str):
             raise InvalidInput(f"[{PREDICTED}] names its scores by texts, not {key!r}")
-        parts = value if isinstance(value, list) else [value]
+        entries = value if isinstance(value, list) else [value]
         if value is not None and not all(
-            isinstance(part, (bool, int, float, Decimal, str)) for part in parts
+            isinstance(entry, (bool, int, float, Decimal, str)) for entry in entries
         ):
             raise InvalidInput(
                 f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}"
@@ -173,28 +173,29 @@ def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
     if strategy.block is not None:
         table["block"] = strategy.block
     if strategy.hitch is not None:
-        table["hitch_mm"] = [MILLIMETRES.written(part) for part in strategy.hitch]
+        table["hitch_mm"] = [MILLIMETRES.written(coordinate) for coordinate in strategy.hitch]
     actions = []
-    for number, action in enumerate(strategy.actions):
-        told = dict[str, object]()
+    for index, action in enumerate(strategy.actions):
+        row = dict[str, object]()
         if strategy.weights is not None:
-            told["weight"] = NUMBER.written(strategy.weights[number])
+            row["weight"] = NUMBER.written(strategy.weights[index])
         if action.push is not None:
             push = action.push
             values = zip(
                 _PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True
             )
-            told |= {
+            row |= {
                 "side": push.side,
                 **{key: unit.written(value) for (key, unit), value in values},
             }
         if action.way_points is not None:
-            told["way_points_mm"] = [
-                [MILLIMETRES.written(part) for part in place] for place in action.way_points
+            row["way_points_mm"] = [
+                [MILLIMETRES.written(coordinate) for coordinate in place]
+                for place in action.way_points
             ]
-        if action.turn or not told:
-            told["gripper_turn_deg"] = DEGREES.written(action.turn)
-        actions.append(told)
+        if action.turn or not row:
+            row["gripper_turn_deg"] = DEGREES.written(action.turn)
+        actions.append(row)
     return {**table, "actions": actions}
 
 
@@ -214,21 +215,26 @@ def _strategy(table: object) -> ResetStrategy:
             raise InvalidInput("actions must be one or more tables [[strategy.actions]]")
         block = None if "block" not in given else whole_number("block", given["block"], least=1)
         hitch = None if "hitch_mm" not in given else _point("hitch_mm", given["hitch_mm"])
-    actions, weights = [], []
-    for number, row in enumerate(rows, 1):
-        with located(f"[[strategy.actions]] {number}"):
+    actions = []
+    weights = []
+    for place, row in enumerate(rows, 1):
+        with located(f"[[strategy.actions]] {place}"):
             action, weight = _action(row)
             actions.append(action)
             weights.append(weight)
-    told = [weight for weight in weights if weight is not None]
+    given_weights = [weight for weight in weights if weight is not None]
     with located("[strategy]"):
-        if len(told) not in (0, len(weights)):
+        if len(given_weights) not in (0, len(weights)):
             raise InvalidInput(
-                f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or "
-                "none"
+                f"{len(given_weights)} of {len(weights)} actions have a weight: give all of them one, "
+                "or none"
             )
         return ResetStrategy(
-            tuple(actions), tuple(told) or None, str(given.get("order", RANDOM)), block, hitch
+            tuple(actions),
+            tuple(given_weights) or None,
+            str(given.get("order", RANDOM)),
+            block,
+            hitch,
         )
 
 

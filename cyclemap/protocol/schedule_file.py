@@ -31,7 +31,7 @@ from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.text_files import (
     CsvRow,
     CsvTable,
-    check_shape,
+    csv_table,
     read_text,
     require_columns,
     write_whole,
@@ -117,16 +117,19 @@ def write_schedule(
     >>> found == tuple(action.filled(loop) for action in coin.run(3, seed=1))
     True
     """
-    count, number = whole_number("cycles", cycles, least=1), whole_number("seed", seed, least=0)
+    count = whole_number("cycles", cycles, least=1)
+    stream = whole_number("seed", seed, least=0)
     prepared = strategy.prepared(loop)
-    actions = tuple(action.filled(prepared) for action in strategy.run(count, number))
-    ring = ", ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
+    actions = tuple(action.filled(prepared) for action in strategy.run(count, stream))
+    ring = ", ".join(
+        decimal_text(MILLIMETRES.written(coordinate)) for coordinate in prepared.slider.hitch
+    )
     facts = {
         "strategy": f"{len(strategy.actions)} actions, {strategy.order}",
         "needs": ", ".join(strategy.needs) or "nothing else",
         "object": f"{prepared.slider.name}, its ring at ({ring}) mm of its frame",
         "surface": " ".join(prepared.material.name.split()),
-        "seed": str(number),
+        "seed": str(stream),
         "cycles": str(count),
     }
     write_whole(Path(path), with_checksum(_text(prepared, actions, facts)).encode())
@@ -139,21 +142,23 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(_columns(legs))
     for cycle, action in enumerate(actions):
-        push, way_points = action.push, action.way_points
+        push = action.push
+        way_points = action.way_points
         assert push is not None and way_points is not None
         if push not in starts:
             place, way = first_contact(loop.slider, push, loop.pusher.radius)
             numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
-            told = [decimal_text(unit.written(value)) for unit, value in numbers]
+            cells = [decimal_text(unit.written(value)) for unit, value in numbers]
             starts[push] = [
                 str(push.side),
-                *told,
+                *cells,
                 *map(_rounded, (1e3 * place).tolist() + way.tolist()),
             ]
         drag = []
         for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
-            dx, dy = onward_x - x, onward_y - y
-            drag += [decimal_text(MILLIMETRES.written(part)) for part in (x, y)]
+            dx = onward_x - x
+            dy = onward_y - y
+            drag += [decimal_text(MILLIMETRES.written(coordinate)) for coordinate in (x, y)]
             drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
         drag += [""] * (4 * (legs - len(way_points)))
         writer.writerow(
@@ -232,10 +237,10 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
             f"{path}: the comment '# cycles: N' is missing or damaged; write the file anew"
         )
     count = int(text)
-    for number, row in enumerate(table.rows):
-        if table.text(row, "cycle") != str(number):
+    for cycle, row in enumerate(table.rows):
+        if table.text(row, "cycle") != str(cycle):
             raise table.error(
-                row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow"
+                row.line, f"cycle is {table.text(row, 'cycle')!r} where {cycle} should follow"
             )
     if len(table.rows) != count:
         last = table.rows[-1].line
@@ -270,26 +275,27 @@ def _action(table: CsvTable, row: CsvRow, legs: int) -> CycleAction:
 
 
 def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
-    found: list[tuple[float, float]] = []
-    told: list[tuple[float, float]] = []
+    places: list[tuple[float, float]] = []
+    given_legs: list[tuple[float, float]] = []
     for leg in range(1, legs + 1):
         x, y, direction, length = columns = [name.format(leg) for name in _LEG_COLUMNS]
         if not any(table.text(row, column) for column in columns):
             continue
-        if len(found) < leg - 1:
+        if len(places) < leg - 1:
             raise table.error(row.line, f"{x} is given, but the way-point before it is blank")
-        found.append((_number(table, row, x, MILLIMETRES), _number(table, row, y, MILLIMETRES)))
-        told.append((math.radians(table.number(row, direction)), table.number(row, length)))
-    runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
+        places.append((_number(table, row, x, MILLIMETRES), _number(table, row, y, MILLIMETRES)))
+        given_legs.append((math.radians(table.number(row, direction)), table.number(row, length)))
+    runs = zip(pairwise((*places, (0.0, 0.0))), given_legs, strict=True)
     for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
-        dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
+        dx = 1e3 * (onward[0] - place[0])
+        dy = 1e3 * (onward[1] - place[1])
         if (
             math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing))
             > _AGREE_MM
         ):
             words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
             raise table.error(row.line, words)
-    return tuple(found)
+    return tuple(places)
 
 
 def _number(table: CsvTable, row: CsvRow, column: str, unit: Unit) -> float:
@@ -314,23 +320,8 @@ def _read_commented(path: str | Path) -> tuple[CsvTable, dict[str, str]]:
             f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file "
             "anew"
         )
+    rows = "\n".join("" if line.startswith("#") else line for line in lines)
     comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
-    rows = []
-    for number, line in enumerate(lines, 1):
-        if not line.strip() or line[0] == "#":
-            continue
-        try:
-            (fields,) = csv.reader([line], strict=True)
-        except csv.Error as error:
-            raise DataFileError(
-                f"{path}, line {number}: {error}; mend the quotes of this line"
-            ) from error
-        rows.append(CsvRow(number, tuple(field.strip() for field in fields)))
-    if len(rows) < 2:
-        raise DataFileError(
-            f"{path}: a schedule has a header and at least one row; the file is empty or cut off"
-        )
-    table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
-    check_shape(table)
     named = (comment.partition(":") for comment in comments)
-    return table, {name.strip(): fact.strip() for name, colon, fact in named if colon}
+    facts = {name.strip(): fact.strip() for name, colon, fact in named if colon}
+    return csv_table(Path(path), rows), facts

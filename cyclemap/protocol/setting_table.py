@@ -23,8 +23,11 @@ if TYPE_CHECKING:
 Settings = dict[str, object]
 
 NOISE_KEY = "noise_deg"
-WORD, POINTS = "word", "points"
-ALWAYS, OWN, CHANGED = "always", "own", "changed"
+WORD = "word"
+POINTS = "points"
+ALWAYS = "always"
+OWN = "own"
+CHANGED = "changed"
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,10 @@ class Setting:
 
     def of(self, loop: CollectionLoop) -> Any:
         """Return the value that a loop has, in SI units; None where it has none."""
-        found: Any = loop
+        value: Any = loop
         for name in self.place.split("."):
-            found = found[int(name)] if name.isdigit() else getattr(found, name, None)
-        return found
+            value = value[int(name)] if name.isdigit() else getattr(value, name, None)
+        return value
 
     def parsed(self, text: str) -> object:
         """Return the value that people mean by a text; the text itself, for `checked` to refuse,
@@ -199,7 +202,7 @@ _TABLE = (
         "material.friction.phi",
         "direction of the first axis in the robot's frame",
         default="the material's",
-        label="axis φ",
+        label="friction axis φ",
         low=0.0,
         high=180.0,
         step=0.5,
@@ -363,7 +366,7 @@ _TABLE = (
         "push.angle",
         "direction of the push from the side's inward normal, counter-clockwise",
         told=ALWAYS,
-        label="slant",
+        label="push slant",
         low=-60.0,
         high=60.0,
         step=0.5,
@@ -374,7 +377,7 @@ _TABLE = (
         "push.distance",
         "how far the rod goes from its first touch",
         told=ALWAYS,
-        label="length",
+        label="push length",
         low=10.0,
         high=300.0,
         step=1.0,
@@ -414,13 +417,13 @@ _TABLE = (
     ),
 )
 
-SETTINGS: Mapping[str, Setting] = {one.key: one for one in _TABLE}
+SETTINGS: Mapping[str, Setting] = {setting.key: setting for setting in _TABLE}
 SHARES = tuple(
     key
-    for key, one in SETTINGS.items()
-    if one.place.startswith("footprint.") and one.group == "Pressure"
+    for key, setting in SETTINGS.items()
+    if setting.place.startswith("footprint.") and setting.group == "Pressure"
 )
-SHAPES = tuple(key for key, one in SETTINGS.items() if one.group == "Shape")
+SHAPES = tuple(key for key, setting in SETTINGS.items() if setting.group == "Shape")
 
 
 def setting_named(key: str) -> Setting:

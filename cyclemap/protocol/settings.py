@@ -55,14 +55,16 @@ def layered(*layers: Settings) -> Settings:
     """Return settings of which later ones win; an outline takes the place of one that was said in
     another way.
     """
-    found: Settings = {}
+    settings: Settings = {}
     for layer in layers:
         if any(key in layer for key in _OUTLINE):
-            found = {
-                key: value for key, value in found.items() if key not in (*_OUTLINE, "object_name")
+            settings = {
+                key: value
+                for key, value in settings.items()
+                if key not in (*_OUTLINE, "object_name")
             }
-        found |= layer
-    return found
+        settings |= layer
+    return settings
 
 
 def inherited_defaults(settings: Settings) -> dict[str, tuple[str, ...]]:
@@ -83,11 +85,11 @@ def warn_of_defaults(settings: Settings) -> None:
     left = inherited_defaults(settings)
     if left:
         keys = ", ".join(key for group in left.values() for key in group)
-        told = (
-            f"the object is not MIT's, but of MIT's experiment still: {', '.join(left)}; give {keys}, "
-            "or begin with cyclemap init"
+        doubt = (
+            f"the object is not MIT's, but of MIT's experiment still: {', '.join(left)}; give "
+            f"{keys}, or begin with cyclemap init"
         )
-        warnings.warn(told, DoubtfulInput, stacklevel=3)
+        warnings.warn(doubt, DoubtfulInput, stacklevel=3)
 
 
 def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -> CollectionLoop:
@@ -139,15 +141,15 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
             plates=stated.plates,
             floor=stated.floor,
         )
-    parts: dict[str, Any] = {"slider": slider, "material": material}
-    for part in ("pusher", "push", "reset"):
-        with _blaming(settings, part):
-            set_here: dict[str, Any] = dict(_numbers(settings, part))
-            if part == "reset" and "way_points_mm" in settings:
+    changes: dict[str, Any] = {"slider": slider, "material": material}
+    for name in ("pusher", "push", "reset"):
+        with _blaming(settings, name):
+            set_here: dict[str, Any] = dict(_numbers(settings, name))
+            if name == "reset" and "way_points_mm" in settings:
                 set_here["way_points"] = _points(settings, "way_points_mm")
-            parts[part] = replace(getattr(loop, part), **set_here)
+            changes[name] = replace(getattr(loop, name), **set_here)
     with _blaming(settings, "footprint"):
-        return replace(loop, **parts, footprint=_footprint(loop, slider, settings))
+        return replace(loop, **changes, footprint=_footprint(loop, slider, settings))
 
 
 def _footprint(loop: CollectionLoop, slider: Slider, settings: Settings) -> Footprint | None:
@@ -155,46 +157,50 @@ def _footprint(loop: CollectionLoop, slider: Slider, settings: Settings) -> Foot
     its plate has.
     """
     same = slider.outline == loop.slider.outline
-    found = loop.footprint if same else plate_footprint(loop.material, slider)
-    if same and isinstance(found, PressedFootprint):
+    footprint = loop.footprint if same else plate_footprint(loop.material, slider)
+    if same and isinstance(footprint, PressedFootprint):
         # Shapes are the surface's and the object's pressures: a heavier object has less of them in
         # mean pressures.
         lighter = mean_pressure(loop.slider) / mean_pressure(slider)
-        found = pressed_footprint(slider, found.plate, found.floor, found.field, lighter)
+        footprint = pressed_footprint(
+            slider, footprint.plate, footprint.floor, footprint.field, lighter
+        )
     if "footprint" in settings:
         word = str(settings["footprint"])
-        found = None if word == "exact" else parse_footprint(word, slider.outline)
+        footprint = None if word == "exact" else parse_footprint(word, slider.outline)
     given = [key for key in (*SHAPES, *SHARES) if key in settings]
     if not given:
-        return found
-    if isinstance(found, PointFootprint):
+        return footprint
+    if isinstance(footprint, PointFootprint):
         raise InvalidInput(
             f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave "
             f"{given[0]} out"
         )
-    plate, floor = (
-        (found.plate, found.floor) if isinstance(found, PressedFootprint) else (FLAT, FLAT)
-    )
+    return _shaped(slider, footprint, settings)
+
+
+def _shaped(
+    slider: Slider, footprint: PatchFootprint | PressedFootprint | None, settings: Settings
+) -> Footprint | None:
+    """Return an exact footprint with the shapes and shares that are set."""
+    plate = floor = FLAT
+    field = None
+    if isinstance(footprint, PressedFootprint):
+        plate, floor, field = footprint.plate, footprint.floor, footprint.field
     plate = replace(plate, **_numbers(settings, "footprint.plate"))
     floor = replace(floor, **_numbers(settings, "footprint.floor"))
-    before = (
-        found
-        if isinstance(found, PatchFootprint)
-        else PatchFootprint(slider.outline, centre=slider.centre_of_mass)
-    )
-    patch = replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
-    field = found.field if isinstance(found, PressedFootprint) else None
+    has_shares = isinstance(footprint, PatchFootprint)
+    patch = footprint if isinstance(footprint, PatchFootprint) else PatchFootprint(slider.outline)
+    numbers: dict[str, Any] = _numbers(settings, "footprint")
+    patch = replace(patch, **numbers, centre=slider.centre_of_mass)
     if plate.is_flat and floor.is_flat and field is None:
-        return (
-            patch
-            if any(key in settings for key in SHARES) or isinstance(found, PatchFootprint)
-            else None
-        )
+        return patch if numbers or has_shares else None
     shared = [key for key in SHARES if getattr(patch, key) != 0.0]
     if shared:
-        told = f"{shared[0]}={getattr(patch, shared[0]):g}"
+        share = f"{shared[0]}={getattr(patch, shared[0]):g}"
         raise InvalidInput(
-            f"{told} beside shapes of floor or object: both tell how it rests; set one of them to 0"
+            f"{share} beside shapes of floor or object: both tell how it rests; set one of "
+            "them to 0"
         )
     return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, field)
 
@@ -206,7 +212,7 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
     if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
         raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
     set_hitch, set_centre = (
-        _numbers(settings, f"slider.{part}") for part in ("hitch", "centre_of_mass")
+        _numbers(settings, f"slider.{place}") for place in ("hitch", "centre_of_mass")
     )
     hitch = set_hitch.get("0", slider.hitch[0]), set_hitch.get("1", slider.hitch[1])
     if "shape" in settings:
@@ -227,7 +233,7 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
 
 
 @contextmanager
-def _blaming(settings: Settings, part: str) -> Iterator[None]:
+def _blaming(settings: Settings, place: str) -> Iterator[None]:
     """Add to an error what was set of a part of the loop, in the units it was set in."""
     try:
         yield
@@ -235,7 +241,7 @@ def _blaming(settings: Settings, part: str) -> Iterator[None]:
         keys = [
             key
             for key, setting in SETTINGS.items()
-            if key in settings and setting.place.split(".")[0] == part
+            if key in settings and setting.place.split(".")[0] == place
         ]
         given = ", ".join(f"{key}={settings[key]}" for key in keys)
         if not given or given.partition("=")[0] in str(cause):
@@ -243,14 +249,14 @@ def _blaming(settings: Settings, part: str) -> Iterator[None]:
         raise InvalidInput(f"{cause} (set: {given})") from cause
 
 
-def _numbers(settings: Settings, part: str) -> dict[str, float]:
+def _numbers(settings: Settings, owner: str) -> dict[str, float]:
     """The numbers that are set of a part of the loop, in SI units, by its attributes."""
-    found = {}
+    numbers = {}
     for key, value in settings.items():
         place, _, name = SETTINGS[key].place.rpartition(".")
-        if place == part and not SETTINGS[key].kind and name != "outline":
-            found[name] = _si(key, value)
-    return found
+        if place == owner and not SETTINGS[key].kind and name != "outline":
+            numbers[name] = _si(key, value)
+    return numbers
 
 
 def _si(key: str, value: object) -> float:

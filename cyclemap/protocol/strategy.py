@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_number, point, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -18,10 +17,14 @@ from cyclemap.mechanics import SidePush
 
 Points = tuple[tuple[float, float], ...]
 
-RANDOM, IN_TURN, SHUFFLED = "random", "in turn", "shuffled"
+RANDOM = "random"
+IN_TURN = "in turn"
+SHUFFLED = "shuffled"
 ORDERS = (RANDOM, IN_TURN, SHUFFLED)
-GRIPPER, RING = "gripper", "ring"
-MOST_ACTIONS, MOST_CYCLES = 10_000, 10_000_000
+GRIPPER = "gripper"
+RING = "ring"
+MOST_ACTIONS = 10_000
+MOST_CYCLES = 10_000_000
 # A share counts as a whole number of places in a block to within this.
 _WHOLE = 1e-9
 
@@ -61,9 +64,8 @@ class CycleAction:
 
     def __post_init__(self) -> None:
         if self.way_points is not None:
-            object.__setattr__(
-                self, "way_points", tuple(point("way-point", p) for p in self.way_points)
-            )
+            places = tuple(point("way-point", place) for place in self.way_points)
+            object.__setattr__(self, "way_points", places)
         if self.push is not None and not isinstance(self.push, SidePush):
             raise InvalidInput(
                 f"the push of an action must be a SidePush or None, not {self.push!r}"
@@ -74,11 +76,9 @@ class CycleAction:
         """Return the loop with this action's push and way-points; the gripper's turn is no part of
         a loop.
         """
-        reset = (
-            loop.reset
-            if self.way_points is None
-            else replace(loop.reset, way_points=self.way_points)
-        )
+        reset = loop.reset
+        if self.way_points is not None:
+            reset = replace(reset, way_points=self.way_points)
         return replace(loop, push=self.push or loop.push, reset=reset)
 
     def filled(self, loop: CollectionLoop) -> CycleAction:
@@ -179,7 +179,7 @@ class ResetStrategy:
         return cls(tuple(CycleAction(push=replace(push, side=side)) for side in sides))
 
     @property
-    def shares(self) -> NDArray[np.float64]:
+    def shares(self) -> Array:
         """How often each action comes, (k,), summing to one."""
         weights = np.ones(len(self.actions)) if self.weights is None else np.array(self.weights)
         # By the largest first: a sum of huge weights would overflow.
@@ -206,18 +206,16 @@ class ResetStrategy:
         """Return the loop as it is set up once, before the first cycle: its ring where the strategy
         wants it.
         """
-        return (
-            loop
-            if self.hitch is None
-            else replace(loop, slider=replace(loop.slider, hitch=self.hitch))
-        )
+        if self.hitch is None:
+            return loop
+        return replace(loop, slider=replace(loop.slider, hitch=self.hitch))
 
     def loops(self, loop: CollectionLoop) -> tuple[CollectionLoop, ...]:
         """Return the loop of each action, its gripper's turn left out."""
         prepared = self.prepared(loop)
         return tuple(action.on(prepared) for action in self.actions)
 
-    def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> NDArray[np.int64]:
+    def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> Whole:
         """Return the number of the action of each cycle; the same for the same seed.
 
         Parameters
@@ -254,17 +252,18 @@ class ResetStrategy:
 
     def run(self, cycles: int, seed: int = 0) -> tuple[CycleAction, ...]:
         """Return what the robot does in each of `cycles` cycles."""
-        return tuple(self.actions[number] for number in self.drawn(cycles, seed).tolist())
+        return tuple(self.actions[index] for index in self.drawn(cycles, seed).tolist())
+
+    def _fits(self, size: int) -> bool:
+        """Whether in so many pushes every action can come as often as its share says."""
+        often = size * self.shares
+        off = np.abs(often - np.round(often)).max()
+        return bool(off <= _WHOLE * size and often.min() >= 0.5)
 
     def _least_block(self) -> int:
-        """The least number of pushes in which every action comes as often as its share says; 0
-        where none will do.
-        """
-        for size in range(len(self.actions), MOST_ACTIONS + 1):
-            often = size * self.shares
-            if np.abs(often - np.round(often)).max() <= _WHOLE * size:
-                return size
-        return 0
+        """The least number of pushes that fits; 0 where none will do."""
+        sizes = range(len(self.actions), MOST_ACTIONS + 1)
+        return next(filter(self._fits, sizes), 0)
 
     def _check_block(self) -> None:
         if self.order != SHUFFLED:
@@ -274,17 +273,14 @@ class ResetStrategy:
                     f"{self.order!r}"
                 )
             return
-        size = (
-            self._least_block()
-            if self.block is None
-            else whole_number("block", self.block, least=1)
-        )
+        size = self._least_block()
+        if self.block is not None:
+            size = whole_number("block", self.block, least=1)
         if size > MOST_ACTIONS:
             raise InvalidInput(
                 f"a block of {size} pushes is larger than {MOST_ACTIONS}: choose a smaller one"
             )
-        often = size * self.shares
-        if not size or np.abs(often - np.round(often)).max() > _WHOLE * size or often.min() < 0.5:
+        if not size or not self._fits(size):
             shares = ", ".join(f"{share:.4g}" for share in self.shares)
             raise InvalidInput(
                 f"no block of {size or MOST_ACTIONS} pushes gives shares {shares}: choose other "
@@ -311,16 +307,14 @@ def overruled_settings(strategy: ResetStrategy) -> tuple[str, ...]:
     >>> overruled_settings(ResetStrategy((CycleAction(()),)))
     ('way_points_mm',)
     """
-    pushes = ("side", "fraction", "angle_deg", "push_mm")
-    keys: tuple[str, ...] = (
-        pushes if all(action.push is not None for action in strategy.actions) else ()
-    )
-    keys += (
-        ("way_points_mm",)
-        if all(action.way_points is not None for action in strategy.actions)
-        else ()
-    )
-    return keys if strategy.hitch is None else (*keys, "hitch_x_mm", "hitch_y_mm")
+    keys: list[str] = []
+    if all(action.push is not None for action in strategy.actions):
+        keys += ["side", "fraction", "angle_deg", "push_mm"]
+    if all(action.way_points is not None for action in strategy.actions):
+        keys.append("way_points_mm")
+    if strategy.hitch is not None:
+        keys += ["hitch_x_mm", "hitch_y_mm"]
+    return tuple(keys)
 
 
 def gripper_turns(count: int) -> tuple[CycleAction, ...]:
@@ -378,10 +372,8 @@ def legs(length: float, count: int) -> tuple[CycleAction, ...]:
     >>> [action.way_points for action in legs(0.05, 2)][0]
     ((0.05, 0.0),)
     """
-    away, steps = (
-        positive_number("leg's length", length),
-        whole_number("directions", count, least=1),
-    )
+    away = positive_number("leg's length", length)
+    steps = whole_number("directions", count, least=1)
     angles = [TWO_PI * step / steps for step in range(steps)]
     return tuple(
         CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles

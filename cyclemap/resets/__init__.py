@@ -33,6 +33,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
+    from cyclemap.collection.loop_surfaces import on_material as on_material
     from cyclemap.protocol.strategy import (
         CycleAction as CycleAction,
         ResetStrategy as ResetStrategy,
@@ -62,7 +63,6 @@ if TYPE_CHECKING:
     from cyclemap.resets.material_range import (
         MaterialRange as MaterialRange,
         material_range as material_range,
-        on_material as on_material,
     )
     from cyclemap.resets.orientation_law import (
         OrientationLaw as OrientationLaw,

@@ -14,20 +14,24 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, run_cycles
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
 from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
-from cyclemap.resets.material_range import on_material
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5
 # Equally spaced orientations from which contact and room are looked at, and samples of a push over
 # which the reach of the object is taken: some 8 mm of rod travel apart.
-_CONTACT_STARTS, _ROOM_STARTS, _COURSE = 12, 8, 20
+_CONTACT_STARTS = 12
+_ROOM_STARTS = 8
+_COURSE = 20
 # How fast the robot works. Speed of the rod in contact, m/s; s a cycle for all else: into the ring,
 # out of it, to the next push; s more in a cycle in which a gripper turns the object.
-ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
+ROD_SPEED = 0.020
+HANDLING = 10.0
+GRIPPING = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,15 +172,16 @@ def strategy_maps(
     >>> round(float(second(1.0) - first(1.0)), 9) == round(math.pi / 2.0, 9)
     True
     """
-    found: dict[CollectionLoop, CircleMap] = {}
-    loops, report = strategy.loops(loop), progress or (lambda fraction: None)
-    for number, acted in enumerate(loops, 1):
-        if acted not in found:
-            found[acted] = acted.circle_map(tolerance)
-        report(number / len(loops))
+    computed: dict[CollectionLoop, CircleMap] = {}
+    loops = strategy.loops(loop)
+    report = progress or (lambda fraction: None)
+    for count, acted in enumerate(loops, 1):
+        if acted not in computed:
+            computed[acted] = acted.circle_map(tolerance)
+        report(count / len(loops))
     maps = []
     for acted, action in zip(loops, strategy.actions, strict=True):
-        made = found[acted]
+        made = computed[acted]
         if action.turn != 0.0 and made.pieces is not None:
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
@@ -227,13 +232,14 @@ def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Arr
     >>> contact_lengths(CollectionLoop.mit(), [CycleAction()]).round(3).tolist()
     [0.132]
     """
-    rough, found = replace(loop, accuracy=max(loop.accuracy, _ACCURACY)), {}
+    rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
+    lengths = {}
     for push in {action.push or loop.push for action in actions}:
         poses = [
             rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)
         ]
-        found[push] = min(rough.model.push(pose, push).travel for pose in poses)
-    return np.array([found[action.push or loop.push] for action in actions])
+        lengths[push] = min(rough.model.push(pose, push).travel for pose in poses)
+    return np.array([lengths[action.push or loop.push] for action in actions])
 
 
 def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
@@ -247,17 +253,21 @@ def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
     0.186
     """
     acted = action.on(replace(loop, accuracy=max(loop.accuracy, _ACCURACY)))
-    step, outline, reach = acted.push.distance / _COURSE, loop.slider.outline_points(), 0.0
-    for number in range(_ROOM_STARTS):
-        theta = TWO_PI * number / _ROOM_STARTS
+    step = acted.push.distance / _COURSE
+    outline = loop.slider.outline_points()
+    reach = 0.0
+    for index in range(_ROOM_STARTS):
+        theta = TWO_PI * index / _ROOM_STARTS
         push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)
         course = push.trajectory
         way = course.pusher[-1] - course.pusher[0]
         end = course.pusher[0] + acted.push.distance * way / math.hypot(*way)
         courses = [course, drag.trajectory] if acted.reset.way_points else [course]
         rod = max(math.hypot(*place) for place in (course.pusher[0], end, *acted.reset.way_points))
-        places = [placed(one.pose.T[..., None], outline) for one in courses]
+        places = [placed(stroke.pose.T[..., None], outline) for stroke in courses]
         reach = max(
-            reach, rod + loop.pusher.radius, *(float(np.hypot(*one.T).max()) for one in places)
+            reach,
+            rod + loop.pusher.radius,
+            *(float(np.hypot(*stroke.T).max()) for stroke in places),
         )
     return reach

@@ -7,20 +7,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.turn_bins import covered_arcs
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
-from cyclemap.evidence.pushes.conventions import written_convention
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
-from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.tables.conventions import written_convention
+from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.progress import Progress
-from cyclemap.resets.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
-from cyclemap.text_files import read_csv_table
+from cyclemap.resets.bias_monitor import BiasMonitor, BiasReport
 from cyclemap.written import DIRECTION
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 LEAST_WORTH = 0.5
 FEWEST = 10
 _NEAR = np.radians(10.0)
+# Pushes alike in these are of one set.
+_ALIKE = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +126,8 @@ class Audit:
         """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0
         without one.
         """
-        alarm, start = self.report.alarm, self.locked_from
+        alarm = self.report.alarm
+        start = self.locked_from
         if alarm is None or start is None:
             return 0.0
         away = [
@@ -143,22 +147,10 @@ class Audit:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _LargestSet:
-    """The orientations of the largest set of the data, and what an `Audit` tells of them."""
-
-    theta: Array
-    ordered: bool
-    reset: ResetEffect | None = None
-    others: int = 0
-    posed: bool = False
-
-
 def audit(
     data: str | Path | PushTable,
     *,
     loop: CollectionLoop | None = None,
-    alarm_rate: float = ALARM_RATE,
     progress: Progress | None = None,
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
@@ -171,8 +163,6 @@ def audit(
     loop : CollectionLoop or None, optional
         The loop that made them, where it is known: the sense of angles is tested by it, else by
         whether pushes alike move the object alike.
-    alarm_rate : float, optional
-        Chance, in (0, 1), that the monitor raises an alarm on a collection without bias.
     progress : callable or None, optional
         Called with the fraction done.
 
@@ -202,11 +192,11 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    largest = _largest_set(data, loop)
-    theta = largest.theta
+    theta, about = _largest_set(data, loop)
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
-    monitor, reports = BiasMonitor(alarm_rate), []
+    monitor = BiasMonitor()
+    reports = []
     for done, angle in enumerate(theta.tolist(), 1):
         reports.append(monitor.update(angle))
         if progress is not None:
@@ -215,45 +205,42 @@ def audit(
         Path(name).name,
         monitor.path,
         tuple(reports),
-        alarm_rate,
-        largest.ordered,
-        covered_arcs(theta),
-        largest.reset,
-        largest.others,
-        largest.posed,
+        monitor.alarm_rate,
+        covered=covered_arcs(theta),
+        **about,
     )
 
 
-def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _LargestSet:
-    if not isinstance(data, PushTable) and _tells_orientations_alone(Path(data)):
+def _largest_set(
+    data: str | Path | PushTable, loop: CollectionLoop | None
+) -> tuple[Array, dict[str, Any]]:
+    """The orientations of the largest set of the data, and what an `Audit` tells of it."""
+    if not isinstance(data, PushTable) and tells_orientations_alone(Path(data)):
         pairs = read_theta0_pairs(data)
         if loop is not None:
             check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
-        path = pairs.theta if pairs.path is None else pairs.path
-        return _LargestSet(path, pairs.path is not None)
+        ordered = pairs.path is not None
+        theta = pairs.theta if pairs.path is None else pairs.path
+        return theta, {"ordered": ordered, "reset": None, "others": 0}
     pushes = data if isinstance(data, PushTable) else load_pushes(data)
     table = pushes.table.dropna(subset=["theta0"])
     if not len(table):
-        files = pushes.unreadable[:1]
-        why = "".join(f": {file.path}: {file.reason}" for file in files)
+        why = "".join(f": {file.path}: {file.reason}" for file in pushes.unreadable[:1])
         raise InvalidInput(f"{data}: no push with an orientation in it{why}")
     check_pushes(pushes, loop)
-    columns = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
-    sets = table.groupby(columns, dropna=False, sort=False)
-    largest = max((rows for _, rows in sets), key=len)
-    numbers = largest["repetition"]
-    ordered = bool(numbers.notna().all()) and numbers.nunique() == len(largest)
-    rows = largest.sort_values("repetition", kind="stable") if ordered else largest
-    # A table of one file is in the order in which it was written.
-    ordered = ordered or rows["path"].nunique() == 1
-    posed, others = bool(rows["theta1"].notna().any()), len(table) - len(rows)
-    return _LargestSet(rows["theta0"].to_numpy(), ordered, _effect(rows), others, posed)
-
-
-def _tells_orientations_alone(path: Path) -> bool:
-    """Whether a file is a table without poses."""
-    is_table = path.is_file() and path.suffix.lower() == ".csv"
-    return is_table and not {"x0", "x1"} <= set(read_csv_table(path).header)
+    sets = table.groupby(_ALIKE, dropna=False, sort=False)
+    rows = max((rows for _, rows in sets), key=len)
+    numbers = rows["repetition"]
+    numbered = bool(numbers.notna().all()) and numbers.nunique() == len(rows)
+    if numbered:
+        rows = rows.sort_values("repetition", kind="stable")
+    return rows["theta0"].to_numpy(), {
+        # A table of one file is in the order in which it was written.
+        "ordered": numbered or rows["path"].nunique() == 1,
+        "reset": _effect(rows),
+        "others": len(table) - len(rows),
+        "posed": bool(rows["theta1"].notna().any()),
+    }
 
 
 def _effect(rows: pandas.DataFrame) -> ResetEffect | None:
@@ -262,7 +249,8 @@ def _effect(rows: pandas.DataFrame) -> ResetEffect | None:
     if len(followed) < FEWEST:
         return None
     before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
-    push_turn, reset_turn = after - before, then - after
+    push_turn = after - before
+    reset_turn = then - after
     spread = float(np.var(push_turn, ddof=1))
     slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else math.nan
     undone = float(-reset_turn.mean() / push_turn.mean())

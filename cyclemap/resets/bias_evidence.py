@@ -54,6 +54,28 @@ class RestRule:
     longest_period: int = 4
 
 
+class SpreadStakes:
+    """The wealth of fair bets, its stakes spread over the bet at which they begin (1/s(s + 1) on
+    the s-th) and, in equal shares, over a few ways of betting.
+    """
+
+    def __init__(self, ways: int) -> None:
+        self._log_stakes = np.full(ways, -np.inf)
+        self._bets = 0
+
+    def settle(self, log_factors: Array) -> None:
+        """Multiply the stakes of each way (ways,) by what its bet came to, natural logarithms."""
+        self._bets += 1
+        new = -math.log(self._bets * (self._bets + 1))
+        self._log_stakes = np.logaddexp(self._log_stakes, new) + log_factors
+
+    @property
+    def log_wealth(self) -> float:
+        """Natural logarithm of what the stakes have become, and of what is still unspent."""
+        staked = float(np.logaddexp.reduce(self._log_stakes)) - math.log(self._log_stakes.size)
+        return float(np.logaddexp(staked, -math.log1p(self._bets)))
+
+
 class RestEvidence:
     """A bet against the chance of coming back, whose gains are the evidence.
 
@@ -74,8 +96,7 @@ class RestEvidence:
         self.rule = rule
         periods = np.arange(1, rule.longest_period + 1)
         self._shares = (1.0 / periods**2) / np.sum(1.0 / periods**2)
-        self._log_stakes = np.full((periods.size, _RATES.size), -np.inf)
-        self._bets = np.zeros(periods.size, dtype=np.int64)
+        self._stakes = [SpreadStakes(_RATES.size) for _ in periods]
         self._recent: list[complex] = []
         self._pushes = first
         # Of each period the push at which the rest under way began, and a path for each of its
@@ -85,7 +106,7 @@ class RestEvidence:
     @property
     def log_evidence(self) -> float:
         """Natural logarithm of the wealth."""
-        return float(np.logaddexp.reduce(np.log(self._shares) + self._log_wealth()))
+        return float(np.logaddexp.reduce(self._log_wealth()))
 
     @property
     def rest(self) -> Rest | None:
@@ -95,7 +116,7 @@ class RestEvidence:
         active = [index for index, run in enumerate(self._runs) if run is not None]
         if not active:
             return None
-        wealth = self._log_wealth() + np.log(self._shares)
+        wealth = self._log_wealth()
         run = self._runs[max(active, key=lambda index: float(wealth[index]))]
         assert run is not None
         began, tracks = run
@@ -122,11 +143,10 @@ class RestEvidence:
             self._runs[index] = None
             return
         hit = (point * centre.conjugate()).real >= abs(centre) * math.cos(self.rule.half_width)
-        self._bets[index] += 1
-        new = -math.log(self._bets[index] * (self._bets[index] + 1))
-        factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)
-        self._log_stakes[index] = np.logaddexp(self._log_stakes[index], new) + factor
-        run, period, fresh = self._runs[index], index + 1, [point]
+        self._stakes[index].settle(np.log((_RATES if hit else 1.0 - _RATES) / CHANCE))
+        run = self._runs[index]
+        period = index + 1
+        fresh = [point]
         if not hit:
             self._runs[index] = None
             return
@@ -138,13 +158,12 @@ class RestEvidence:
             )
             fresh = [*self._recent[-reach:], point]
         began, tracks = run
-        for number, one in enumerate(fresh, self._pushes + 1 - len(fresh)):
-            tracks[(number - began) % period].add(math.atan2(one.imag, one.real))
+        for push, visit in enumerate(fresh, self._pushes + 1 - len(fresh)):
+            tracks[(push - began) % period].add(math.atan2(visit.imag, visit.real))
 
     def _log_wealth(self) -> Array:
-        """Per period: what the stakes have become, and what is still unspent."""
-        staked = np.logaddexp.reduce(self._log_stakes, axis=1) - math.log(_RATES.size)
-        return np.asarray(np.logaddexp(staked, -np.log1p(self._bets)), dtype=np.float64)
+        """Per period, by its share."""
+        return np.log(self._shares) + [stakes.log_wealth for stakes in self._stakes]
 
 
 @dataclass(frozen=True)
@@ -203,7 +222,8 @@ class DirectionTrack:
         if self.start is None:
             self.start = self.last = self.present = theta
             return
-        step, x = float(shorter_way(theta - self.last)), self.last - self.start
+        step = float(shorter_way(theta - self.last))
+        x = self.last - self.start
         news = (1.0, x, step, x * x, x * step)
         self.sums = tuple(_MEMORY * old + new for old, new in zip(self.sums, news, strict=True))
         self.last += step
@@ -215,8 +235,10 @@ class DirectionTrack:
         count, sum_x, sum_y, sum_xx, sum_xy = self.sums
         if self.start is None or count == 0.0:
             return self.present
-        x, y = sum_x / count, sum_y / count
-        covariance, variance = sum_xy - count * x * y, sum_xx - count * x * x
+        x = sum_x / count
+        y = sum_y / count
+        covariance = sum_xy - count * x * y
+        variance = sum_xx - count * x * x
         pull = min(max(-covariance / (variance + self.scatter**2), _LEAST_PULL), 1.0)
         return self.start + x + y / pull
 
@@ -229,7 +251,8 @@ class VisitLaw:
     def __init__(self, kernel: float) -> None:
         """``kernel`` : rad, the kernel's standard deviation."""
         # The first harmonic left out weighs exp(-12.5), under 4e-6.
-        self._weights = np.exp(-0.5 * (kernel * np.arange(1, math.ceil(5.0 / kernel) + 1)) ** 2)
+        self._order = np.arange(1, math.ceil(5.0 / kernel) + 1)
+        self._weights = np.exp(-0.5 * (kernel * self._order) ** 2)
         self._moments = np.zeros(self._weights.size, dtype=np.complex128)
         # Those that are remembered, old ones counted less.
         self.visits = 0.0
@@ -238,10 +261,8 @@ class VisitLaw:
         """Take visits ``theta`` (n,) rad, after forgetting all but the share ``kept`` of the older
         ones.
         """
-        order = np.arange(1, self._moments.size + 1)
-        self._moments = kept * self._moments + np.exp(-1j * np.multiply.outer(order, theta)).sum(
-            axis=1
-        )
+        waves = np.exp(-1j * np.multiply.outer(self._order, theta))
+        self._moments = kept * self._moments + waves.sum(axis=1)
         self.visits = kept * self.visits + theta.size
 
     def ratio(self, theta: ArrayLike) -> Array:
@@ -257,14 +278,10 @@ class VisitLaw:
         """Where the density is highest, rad in [0, 2π), under a kernel of 25° at least: narrower
         ones follow chance.
         """
-        order = np.arange(1, self._moments.size + 1)
         grid = np.arange(720) * (math.pi / 360.0)
-        smoothed = (
-            np.minimum(self._weights, np.exp(-0.5 * (_PEAK_KERNEL * order) ** 2)) * self._moments
-        )
-        return float(
-            grid[int(np.argmax(polyval(np.exp(1j * grid), np.append(0.0, smoothed)).real))]
-        )
+        widest = np.exp(-0.5 * (_PEAK_KERNEL * self._order) ** 2)
+        smoothed = np.append(0.0, np.minimum(self._weights, widest) * self._moments)
+        return float(grid[np.argmax(polyval(np.exp(1j * grid), smoothed).real)])
 
 
 class VisitEvidence:
@@ -284,17 +301,17 @@ class VisitEvidence:
     def __init__(
         self, kernel: float = KERNEL, block: int = BLOCK, orders: int = ORDERS, seed: int = 0
     ) -> None:
-        self._block, self._orders, self._random = block, orders, np.random.default_rng(seed)
+        self._block = block
+        self._orders = orders
+        self._random = np.random.default_rng(seed)
         self.law = VisitLaw(kernel)
         self._waiting: list[float] = []
-        self._blocks = 0
-        self._log_stakes = np.full(_POWERS.size, -np.inf)
+        self._stakes = SpreadStakes(_POWERS.size)
 
     @property
     def log_evidence(self) -> float:
         """Natural logarithm of the wealth; it changes where a block is full."""
-        staked = float(np.logaddexp.reduce(self._log_stakes)) - math.log(_POWERS.size)
-        return float(np.logaddexp(staked, -math.log1p(self._blocks)))
+        return self._stakes.log_wealth
 
     def add(self, theta: float) -> None:
         """Take the next θ0 (rad, any number of turns)."""
@@ -302,15 +319,13 @@ class VisitEvidence:
         if len(self._waiting) > self._block:
             path = np.array(self._waiting)
             if self.law.visits > 0.0:
-                self._blocks += 1
-                new = -math.log(self._blocks * (self._blocks + 1))
                 # The visits of the recorded order, then of others.
                 turns = np.tile(np.diff(path), (self._orders + 1, 1))
                 turns[1:] = self._random.permuted(turns[1:], axis=1)
                 likelihoods = np.log(self.law.ratio(path[0] + np.cumsum(turns, axis=1))).sum(axis=1)
                 raised = np.multiply.outer(_POWERS, likelihoods)
                 log_mean = np.logaddexp.reduce(raised, axis=1) - math.log(raised.shape[1])
-                self._log_stakes = np.logaddexp(self._log_stakes, new) + raised[:, 0] - log_mean
+                self._stakes.settle(raised[:, 0] - log_mean)
             self.law.add(path[1:], kept=math.exp(-1.0 / _REMEMBERED))
             # The last visit of a block is where the next one starts.
             self._waiting = self._waiting[-1:]
@@ -394,7 +409,8 @@ def arc_likelihoods(paths: Array) -> Array:
     before = np.cumsum(
         np.concatenate([np.zeros((len(paths), 1)), visited, visited], axis=1), axis=1
     )
-    every, visits = before[:, CELLS], paths.shape[1] + 1
+    every = before[:, CELLS]
+    visits = paths.shape[1] + 1
     total = np.zeros(len(paths))
     for width in _WIDTHS:
         on_it = before[:, width : width + CELLS] - before[:, :CELLS] == every[:, None]

@@ -229,8 +229,10 @@ class BiasMonitor:
         self._worth.append(self.coverage.effective_pushes)
         del self._worth[: -RECENT - 1]
         if self._alarm is None:
-            threshold, push = math.log(2.0 / self.alarm_rate), len(self._path) - 1
-            rest, highest = self._rest.rest, max(self._rest.log_evidence, self._log_visits)
+            threshold = math.log(2.0 / self.alarm_rate)
+            push = len(self._path) - 1
+            rest = self._rest.rest
+            highest = max(self._rest.log_evidence, self._log_visits)
             # Whichever evidence raises the alarm, a rest that is under way says best what locks in.
             if rest is not None and highest >= threshold:
                 self._alarm = Alarm(push, "rest", rest.towards, rest.began)
@@ -247,10 +249,8 @@ class BiasMonitor:
         self._changed = len(self._path)
         self._rest = RestEvidence(_RULE, self._changed)
         # Another stream of shuffles for each reset: none is used twice.
-        self._visits, self._arcs = (
-            VisitEvidence(seed=self._changed),
-            ArcEvidence(seed=self._changed),
-        )
+        self._visits = VisitEvidence(seed=self._changed)
+        self._arcs = ArcEvidence(seed=self._changed)
         self._alarm = None
 
     @property
@@ -263,7 +263,8 @@ class BiasMonitor:
     @property
     def report(self) -> BiasReport:
         """Where the collection stands."""
-        rest, coverage = self._rest.rest, self.coverage.state()
+        rest = self._rest.rest
+        coverage = self.coverage.state()
         # Told where it has lasted twice the window; a single hit may be chance.
         if rest is not None and len(self._path) - rest.began < 2 * _RULE.window * len(
             rest.directions

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
@@ -89,11 +89,11 @@ class Crowding:
         before any.
         """
         mean = self.crowding.mean(axis=1)
-        found = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
-        return np.asarray(found / np.where(mean > 0.0, mean, 1.0))
+        crowding = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
+        return np.asarray(crowding / np.where(mean > 0.0, mean, 1.0))
 
 
-def _cell(theta: ArrayLike) -> NDArray[np.int64]:
+def _cell(theta: ArrayLike) -> Whole:
     cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(np.int64)
     return np.minimum(cells, CELLS - 1)
 
@@ -165,7 +165,9 @@ class Coverage:
         much.
         """
         # The widest arc between neighbouring visited cells; the whole circle before any.
-        gap, centre, cells = TWO_PI, 0.0, np.flatnonzero(self._visited)
+        gap = TWO_PI
+        centre = 0.0
+        cells = np.flatnonzero(self._visited)
         if cells.size:
             gaps = np.diff(np.append(cells, cells[0] + CELLS))
             widest = int(np.argmax(gaps))

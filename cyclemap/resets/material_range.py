@@ -14,15 +14,15 @@ import numpy as np
 
 from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import non_negative_number
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
-from cyclemap.mechanics.plate_footprint import plate_footprint
 
-AXES, OFFSETS = 0.10, 0.50
+AXES = 0.10
+OFFSETS = 0.50
 # Samples of a posterior that a reset is searched on, and others that it is judged on: the fewest of
 # which the worst is worse than 95 % of the posterior, as surely (.95^59 < .05).
-SEARCHED_SAMPLES, JUDGED_SAMPLES = 12, 59
+SEARCHED_SAMPLES = 12
+JUDGED_SAMPLES = 59
 # What is promised of a posterior: this share of it, as surely.
 PROMISED = 0.95
 # Materials inside the range that what is found is tried on besides the corners.
@@ -184,16 +184,17 @@ def material_range(
     )
     if by_axes >= 1.0:
         raise InvalidInput(f"the axes may vary by less than 100 %, not by {100.0 * by_axes:g} %")
-    nominal, law = replace(material, wear=None, posterior=None), material.friction
+    nominal = replace(material, wear=None, posterior=None)
+    law = material.friction
     ratios = (1.0 / (1.0 + by_axes), 1.0 + by_axes) if by_axes else (1.0,)
     shares = [
         (-by_offsets, by_offsets) if by_offsets and value else (0.0,) for value in (law.m0, law.n0)
     ]
     corners = []
     for ratio, m0, n0 in product(ratios, *shares):
-        told = [f"axis ratio {'÷' if ratio < 1.0 else '×'} {1.0 + by_axes:g}"] if by_axes else []
-        told += [f"{name} {100.0 * by:+.0f} %" for name, by in (("m0", m0), ("n0", n0)) if by]
-        if told:
+        changes = [f"axis ratio {'÷' if ratio < 1.0 else '×'} {1.0 + by_axes:g}"] if by_axes else []
+        changes += [f"{name} {100.0 * by:+.0f} %" for name, by in (("m0", m0), ("n0", n0)) if by]
+        if changes:
             root = math.sqrt(ratio)
             friction = replace(
                 law,
@@ -203,7 +204,7 @@ def material_range(
                 n0=law.n0 * (1 + n0),
             )
             corners.append(
-                replace(nominal, name=f"{material.name} ({', '.join(told)})", friction=friction)
+                replace(nominal, name=f"{material.name} ({', '.join(changes)})", friction=friction)
             )
     if material.wear is not None:
         corners.append(
@@ -211,6 +212,15 @@ def material_range(
         )
     words = f"axis ratio ± {100.0 * by_axes:g} %, offsets ± {100.0 * by_offsets:g} %, any direction"
     return MaterialRange(nominal, tuple(corners), words)
+
+
+def range_of(material: Material, given: Sequence[Material] | MaterialRange | None) -> MaterialRange:
+    """Return the range that is given, or made of materials; without either that of the material."""
+    if given is None:
+        return material_range(material)
+    if isinstance(given, MaterialRange):
+        return given
+    return MaterialRange(replace(material, wear=None, posterior=None), tuple(given))
 
 
 def _posterior_range(material: Material) -> MaterialRange:
@@ -226,64 +236,12 @@ def _posterior_range(material: Material) -> MaterialRange:
     chosen = evenly_spread(len(rows), min(SEARCHED_SAMPLES, -(-len(rows) // 2)))
     others = tuple(samples[place] for place in chosen)
     tried = tuple(sample for place, sample in enumerate(samples) if place not in chosen)
-    told = (
+    words = (
         f"{len(rows)} of the {count} samples of its "
         f"posterior{'' if material.wear is None else ', fresh to worn'}"
     )
     nominal = replace(material, wear=None, posterior=None)
-    return MaterialRange(nominal, others, told, tried, sampled=True)
-
-
-def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on another material, with what it brings along: `FoundWith` and pressure.
-
-    Parameters
-    ----------
-    loop : CollectionLoop
-        The loop; what it has from its own material gives way.
-    material : Material
-        The other material.
-
-    Returns
-    -------
-    CollectionLoop
-        The same protocol on the other surface.
-
-    Notes
-    -----
-    What was set otherwise, as the friction of another rod, stays. The ring's lever is scaled
-    and turned as it is from the one material to the other, wherever the ring is.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> from cyclemap import CollectionLoop, load_material
-    >>> from cyclemap.mechanics import FoundWith
-    >>> from cyclemap.resets import on_material
-    >>> found = FoundWith(pusher_friction=0.2)
-    >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
-    >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction
-    0.2
-    """
-    own, other = (CollectionLoop.mit(surface) for surface in (loop.material, material))
-    x, y = loop.slider.hitch
-    lever = complex(x, y) * complex(*other.slider.hitch) / complex(*own.slider.hitch)
-    pusher, reset, footprint = loop.pusher, loop.reset, loop.footprint
-    if pusher.friction == own.pusher.friction:
-        pusher = replace(pusher, friction=other.pusher.friction)
-    if reset.pin_friction_radius == own.reset.pin_friction_radius:
-        reset = replace(reset, pin_friction_radius=other.reset.pin_friction_radius)
-    if footprint == plate_footprint(loop.material, loop.slider):
-        footprint = plate_footprint(material, loop.slider)
-    # Their numbers kept to the last bit where the lever is the same.
-    slider = (
-        loop.slider
-        if own.slider == other.slider
-        else replace(loop.slider, hitch=(lever.real, lever.imag))
-    )
-    return replace(
-        loop, material=material, slider=slider, pusher=pusher, reset=reset, footprint=footprint
-    )
+    return MaterialRange(nominal, others, words, tried, sampled=True)
 
 
 def _between(materials: Sequence[Material]) -> Iterator[Material]:
@@ -291,7 +249,7 @@ def _between(materials: Sequence[Material]) -> Iterator[Material]:
     of one of them.
     """
     random = np.random.default_rng(0)
-    for number in range(1, TRIED_INSIDE + 1):
+    for index in range(1, TRIED_INSIDE + 1):
         laws = [
             materials[k].friction
             for k in random.choice(len(materials), min(3, len(materials)), replace=False)
@@ -299,5 +257,5 @@ def _between(materials: Sequence[Material]) -> Iterator[Material]:
         shares = random.dirichlet(np.ones(len(laws)))
         a, b = np.exp(shares @ np.log([(law.mu_a, law.mu_b) for law in laws])).tolist()
         m0, n0 = (shares @ [(law.m0, law.n0) for law in laws]).tolist()
-        name = f"{materials[0].name}, inside its range ({number})"
+        name = f"{materials[0].name}, inside its range ({index})"
         yield replace(materials[0], name=name, friction=EllipseFriction(a, b, m0, n0, laws[0].phi))

@@ -22,7 +22,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 
 # Orientations at which densities are compared with uniform, and starts of which the worst is taken.
-DENSITY_SAMPLES, STARTS = 360, 72
+DENSITY_SAMPLES = 360
+STARTS = 72
 _MODES = (24, 48, 96, 192)
 _SAME = 5e-4
 # A block of a shuffled order may pass through so many different sets of actions.
@@ -49,8 +50,10 @@ def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
         * np.exp(-0.5 * (orders * sigma) ** 2)[:, None]
     )
     rows = np.fft.ifft(waves, axis=-1)  # ... the k-th entry multiplies p_k
-    up, down = rows[..., 1 : modes + 1], rows[..., : -modes - 1 : -1]
-    total, difference = up + down, up - down
+    up = rows[..., 1 : modes + 1]
+    down = rows[..., : -modes - 1 : -1]
+    total = up + down
+    difference = up - down
     upper = np.concatenate([total.real, -difference.imag, rows[..., :1].real], axis=-1)
     lower = np.concatenate([total.imag, difference.real, rows[..., :1].imag], axis=-1)
     last = np.zeros_like(upper[..., :1, :])
@@ -134,7 +137,8 @@ class OrientationLaw:
         """Directions (rad) at which the density is highest thereabouts, and above the uniform
         one.
         """
-        before, after = np.roll(self.density, 1), np.roll(self.density, -1)
+        before = np.roll(self.density, 1)
+        after = np.roll(self.density, -1)
         highest = (self.density > before) & (self.density >= after)
         return np.radians(np.flatnonzero(highest & (self.density > 1.0 / TWO_PI)))
 
@@ -183,7 +187,8 @@ def orientation_law(
         if modes is None
         else [modes]
     )
-    found, error = (math.nan, math.nan), math.nan
+    distances = (math.nan, math.nan)
+    error = math.nan
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
         start = long_run(steps[-1])
@@ -191,12 +196,13 @@ def orientation_law(
         whole, rest = divmod(count, len(steps))
         end = np.linalg.matrix_power(steps[-1], whole)
         ended = steps[rest - 1] @ end if rest else end
-        before, found = found, (min(float(total_variation(law)), 1.0), float(farthest(ended)))
-        error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))
+        before = distances
+        distances = (min(float(total_variation(law)), 1.0), float(farthest(ended)))
+        error = max(abs(distances[0] - before[0]), abs(distances[1] - before[1]))
         if error <= _SAME:
             break
     density = (1.0 + law @ _waves(size, DENSITY_SAMPLES)) / TWO_PI
-    return OrientationLaw(*found, count, size, error, density)
+    return OrientationLaw(*distances, count, size, error, density)
 
 
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float) -> float:
@@ -241,13 +247,13 @@ def _shuffled(kernels: Array, counts: Sequence[int]) -> list[Array]:
     for left in range(sum(counts), 0, -1):
         following: dict[tuple[int, ...], tuple[float, Array]] = {}
         for so_far, (chance, kernel) in done.items():
-            for number, most in enumerate(counts):
-                if so_far[number] == most:
+            for index, most in enumerate(counts):
+                if so_far[index] == most:
                     continue
-                key = (*so_far[:number], so_far[number] + 1, *so_far[number + 1 :])
-                share = chance * (most - so_far[number]) / left
+                key = (*so_far[:index], so_far[index] + 1, *so_far[index + 1 :])
+                share = chance * (most - so_far[index]) / left
                 before, summed = following.get(key, (0.0, np.zeros_like(kernel)))
-                following[key] = (before + share, summed + share * (kernels[number] @ kernel))
+                following[key] = (before + share, summed + share * (kernels[index] @ kernel))
         done = {key: (chance, summed / chance) for key, (chance, summed) in following.items()}
         steps.append(np.sum([chance * kernel for chance, kernel in done.values()], axis=0))
     return steps

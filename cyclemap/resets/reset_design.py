@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
 from cyclemap.progress import Progress
-from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
+from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 from cyclemap.resets.action_cycles import (
     SampledTurns,
     contact_lengths,
@@ -25,14 +24,13 @@ from cyclemap.resets.action_cycles import (
     sample_turns,
     seconds,
 )
-from cyclemap.resets.material_range import MaterialRange, material_range
+from cyclemap.resets.material_range import MaterialRange, range_of
 from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
 from cyclemap.resets.reset_ranking import (
     AFTER,
     AS_IT_IS,
     CHOSEN,
     CONTACT,
-    CONTACTS,
     DRAG,
     FIRM,
     GIVEN,
@@ -46,10 +44,9 @@ from cyclemap.resets.reset_ranking import (
     Limit,
     Pool,
     ResetDemands,
-    gathered,
+    candidate_pool,
     picked,
 )
-from cyclemap.resets.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
 from cyclemap.resets.strategy_run import (
     histogram_distances,
     histogram_shares,
@@ -61,11 +58,13 @@ from cyclemap.resets.strategy_run import (
 STEERED = "steered"
 # The chosen one, and six to compare it with.
 MOST_ROWS = 7
-_SAMPLES, _REFINED = 48, 720
+_SAMPLES = 48
+_REFINED = 720
 # Fourier modes at most of the laws on materials that are not nominal.
 _ENOUGH_MODES = 96
 # Collections simulated for a histogram, and cycles of them all at most.
-_RUNS, _MOST_SIMULATED = 200, 4_000_000
+_RUNS = 200
+_MOST_SIMULATED = 4_000_000
 # Those by which the material is found where a histogram is worst.
 _ROUGH_RUNS = 20
 _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
@@ -274,12 +273,13 @@ def design_reset(
         ...
     cyclemap.errors.InvalidInput: sigma must be positive, not -1.0
     """
-    wanted, report = demands or ResetDemands(), progress or (lambda done: None)
+    wanted = demands or ResetDemands()
+    report = progress or (lambda done: None)
     report(0.0)
-    about = _range_of(loop, materials)
+    about = range_of(loop.material, materials)
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
-    pool = _pool(nominal, wanted, about, sigma, report)
+    pool = candidate_pool(nominal, wanted, about, sigma, lambda done: report(0.4 * done))
     judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
     picks, binding = _closely_picked(pool, judge)
     rows, course = _assessed(judge, _roles(picks, given), report)
@@ -295,16 +295,6 @@ def design_reset(
         independent_distance(wanted.pushes),
         **course,
     )
-
-
-def _range_of(
-    loop: CollectionLoop, materials: Sequence[Material] | MaterialRange | None
-) -> MaterialRange:
-    if materials is None:
-        return material_range(loop.material)
-    if isinstance(materials, MaterialRange):
-        return materials
-    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
 
 
 def _closely_picked(pool: Pool, judge: _Judge) -> tuple[Picks, tuple[Limit, ...]]:
@@ -324,38 +314,10 @@ def _roles(picks: Picks, given: ResetStrategy | None) -> dict[ResetStrategy, lis
         roles.setdefault(strategy, []).append(role)
     if len(roles) > MOST_ROWS:
         # One's own strategy is told in place of what a gripper could do.
-        roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
+        roles = {
+            strategy: reasons for strategy, reasons in roles.items() if reasons != [WITH_GRIPPER]
+        }
     return roles
-
-
-def _pool(
-    loop: CollectionLoop,
-    demands: ResetDemands,
-    about: MaterialRange,
-    sigma: float,
-    report: Progress,
-) -> Pool:
-    """Every candidate, those that need what the robot cannot do included, for they are told too."""
-    parts = own_pushes(loop, about, sigma, demands.within)
-    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
-    if RING in demands.abilities and not demands.keep_push:
-        x, y = loop.slider.hitch
-        places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
-    # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
-    least = (
-        [demands.contact] * 2
-        if demands.contact
-        else [share * loop.push.distance for share in CONTACTS]
-    )
-    for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
-        if hitch == places[0]:
-            pool = gathered(loop, demands, tuple(parts))
-            if (pool.able & (pool.missed == 0.0)).any():
-                break
-        source = push_set(loop, about, sigma, contact, slants, hitch)
-        if source is not None:
-            parts.append(searched(source, demands.within, lambda done: report(0.4 * done)))
-    return gathered(loop, demands, tuple(parts))
 
 
 def _assessed(
@@ -369,11 +331,12 @@ def _assessed(
         report(0.4 + 0.4 * len(cycles) / len(roles))
         cycles[strategy] = judge.sampled(strategy)
     rows: list[ResetRow] = []
-    for strategy, told in roles.items():
+    for strategy, reasons in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
-        rows.append(judge.row(strategy, told, cycles[strategy]))
+        rows.append(judge.row(strategy, reasons, cycles[strategy]))
     rows = _best_first(rows)
-    own, chosen = next(row for row in rows if AS_IT_IS in row.roles), rows[0]
+    own = next(row for row in rows if AS_IT_IS in row.roles)
+    chosen = rows[0]
     turns = {row: cycles[row.strategy].refined(_REFINED)[0] for row in (own, chosen)}
     simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
     return tuple(rows), {
@@ -415,49 +378,59 @@ class _Judge:
         prepared = strategy.prepared(self.loop)
         return sample_turns(prepared, strategy.actions, self.about.materials, _SAMPLES)
 
+    def laws(
+        self, strategy: ResetStrategy, turns: Array, modes: int | None
+    ) -> list[OrientationLaw]:
+        """The law of the orientations by each of the turns."""
+        within = self.demands.within
+        return [orientation_law(turn, strategy, self.sigma, within, modes) for turn in turns]
+
+    def worst(self, values: Sequence[float]) -> tuple[float, int]:
+        """The worst of the values on all materials, and of which it is."""
+        where = self.about.worst(np.array(values))
+        return float(values[where]), where
+
     def is_kept_by(self, strategy: ResetStrategy) -> bool:
         """Whether it is as uniform as is demanded."""
-        within, turns = self.demands.within, self.sampled(strategy).refined(_REFINED)
-        laws = [
-            orientation_law(turn, strategy, self.sigma, within, _ENOUGH_MODES // 2)
-            for turn in turns
-        ]
-        (tv, _), (after, _) = (_worst(self.about, laws, of) for of in (TV, AFTER))
+        turns = self.sampled(strategy).refined(_REFINED)
+        laws = self.laws(strategy, turns, _ENOUGH_MODES // 2)
+        tv, _ = self.worst([law.total_variation for law in laws])
+        after, _ = self.worst([law.after for law in laws])
         return tv <= self.demands.allow_tv and after <= self.demands.allow_after
 
     def row(self, strategy: ResetStrategy, roles: Sequence[str], cycles: SampledTurns) -> ResetRow:
         """What it leaves and costs."""
-        turns, demands = cycles.refined(_REFINED), self.demands
-        nominal = orientation_law(turns[0], strategy, self.sigma, demands.within)
-        modes = min(nominal.modes, _ENOUGH_MODES)
-        others = (
-            orientation_law(turn, strategy, self.sigma, demands.within, modes) for turn in turns[1:]
-        )
-        laws = [nominal, *others]
-        (worst, _), (worst_after, where) = (_worst(self.about, laws, of) for of in (TV, AFTER))
-        values = {TV: worst, AFTER: worst_after, **self.costs(strategy, cycles)}
+        turns = cycles.refined(_REFINED)
+        (nominal,) = self.laws(strategy, turns[:1], None)
+        others = self.laws(strategy, turns[1:], min(nominal.modes, _ENOUGH_MODES))
+        tv, _ = self.worst([law.total_variation for law in (nominal, *others)])
+        after, where = self.worst([law.after for law in (nominal, *others)])
+        costs = self.costs(strategy, cycles)
         histogram, worst_histogram = self.distances(strategy, turns)
-        is_seen = worst_histogram[0] > independent_distance(demands.pushes)
+        values = {**costs, TV: tv, AFTER: after}
+        if worst_histogram[0] <= independent_distance(self.demands.pushes):
+            values = costs
         return ResetRow(
             tuple(roles),
             strategy,
             nominal,
-            worst,
-            worst_after,
+            tv,
+            after,
             self.about.materials[where],
-            values[DRAG],
-            values[SECONDS],
-            values[REACH],
-            values[CONTACT],
+            costs[DRAG],
+            costs[SECONDS],
+            costs[REACH],
+            costs[CONTACT],
             histogram,
             worst_histogram,
-            self.misses(values, () if is_seen else (TV, AFTER)),
-            tuple(need for need in strategy.needs if need not in demands.abilities),
+            self.misses(values),
+            tuple(need for need in strategy.needs if need not in self.demands.abilities),
         )
 
     def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
         """Drag, m, the time of a cycle, s, room and shortest contact, m."""
-        lengths, actions = cycles.drag_length[0], strategy.actions
+        lengths = cycles.drag_length[0]
+        actions = strategy.actions
         pushes = np.array([(action.push or self.loop.push).distance for action in actions])
         turned = np.array([action.turn != 0.0 for action in actions])
         prepared = strategy.prepared(self.loop)
@@ -469,16 +442,14 @@ class _Judge:
             CONTACT: float(contact_lengths(prepared, still).min()),
         }
 
-    def misses(self, values: dict[str, float], unseen: tuple[str, ...]) -> tuple[str, ...]:
-        """The demands that are missed, of those that can be seen: contact is demanded at least,
-        all else at most.
-        """
-        sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}
-        return tuple(
-            name
-            for name, limit in self.limits.items()
-            if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
-        )
+    def misses(self, values: dict[str, float]) -> tuple[str, ...]:
+        """The demands that values miss: contact is demanded at least, all else at most."""
+        missed = []
+        for name, limit in self.limits.items():
+            value = values.get(name, limit)
+            if value < limit if name == CONTACT else value > limit:
+                missed.append(name)
+        return tuple(missed)
 
     def distances(
         self, strategy: ResetStrategy, turns: Array
@@ -496,46 +467,42 @@ class _Judge:
         """The histograms (runs, 36) of simulated collections."""
         pushes = self.demands.pushes
         runs = _runs(pushes, most)
-        found = sampled_orientations(turn, strategy, pushes, runs, self.sigma, self.seed)
-        return histogram_shares(found)
+        theta = sampled_orientations(turn, strategy, pushes, runs, self.sigma, self.seed)
+        return histogram_shares(theta)
 
     def distances_by_order(self, row: ResetRow, turn: Array) -> dict[str, float]:
         """The mean histogram distance of the same actions in other orders, and chosen from the
         orientation seen.
         """
-        told, strategy = {RANDOM: row.histogram[0]}, row.strategy
+        distances = {RANDOM: row.histogram[0]}
+        strategy = row.strategy
         if len(strategy.actions) == 1:
-            return told
-        found = {}
+            return distances
+        shares_by_order = {}
         for order in (IN_TURN, SHUFFLED):
             if order == SHUFFLED or strategy.weights is None:
-                found[order] = self.histograms(replace(strategy, order=order), turn)
+                shares_by_order[order] = self.histograms(replace(strategy, order=order), turn)
         pushes = self.demands.pushes
         steered = steered_orientations(turn, pushes, _runs(pushes, _RUNS), self.sigma, self.seed)
-        found[STEERED] = histogram_shares(steered)
+        shares_by_order[STEERED] = histogram_shares(steered)
         means = {
-            order: float(histogram_distances(shares).mean()) for order, shares in found.items()
+            order: float(histogram_distances(shares).mean())
+            for order, shares in shares_by_order.items()
         }
-        return {**told, **means}
+        return {**distances, **means}
 
     def off_ratio(self, strategy: ResetStrategy) -> list[float]:
         """The total variation where the ratio of the friction's axes is off by shares of it, their
         geometric mean kept.
         """
-        nominal, law = self.about.nominal, self.about.nominal.friction
+        nominal = self.about.nominal
+        law = self.about.nominal.friction
         roots = np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
         bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
         stretched = [replace(nominal, friction=friction) for friction in bent]
         prepared = strategy.prepared(self.loop)
         turns = sample_turns(prepared, strategy.actions, stretched, _SAMPLES).refined(_REFINED)
         return [orientation_law(turn, strategy, self.sigma, 1).total_variation for turn in turns]
-
-
-def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tuple[float, int]:
-    """The worst total variation of laws on all materials, and of which it is."""
-    values = np.array([law.total_variation if of == TV else law.after for law in laws])
-    where = about.worst(values)
-    return float(values[where]), where
 
 
 def _spread(distances: Array) -> tuple[float, float]:

@@ -5,25 +5,44 @@ to take.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import SidePush
+from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy
 from cyclemap.resets.action_cycles import room_needed, seconds
-from cyclemap.resets.reset_search import Candidates
+from cyclemap.resets.material_range import MaterialRange
+from cyclemap.resets.reset_search import (
+    MORE_SLANTS,
+    SLANTS,
+    Candidates,
+    own_pushes,
+    push_set,
+    searched,
+)
 from cyclemap.resets.strategy_run import independent_distance
+
+if TYPE_CHECKING:
+    import pandas
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
-CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "most uniform", "cheapest"
-WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back only", "with a gripper", "yours", "as it is"
+CHOSEN = "chosen"
+SIMPLEST = "simplest"
+EVENEST = "most uniform"
+CHEAPEST = "cheapest"
+WAY_BACK = "way back only"
+WITH_GRIPPER = "with a gripper"
+GIVEN = "yours"
+AS_IT_IS = "as it is"
 # The best of the resets where the loop is left as it is.
 RESET = "best reset"
 # Pushes of a collection that is simulated for its histogram.
@@ -43,6 +62,7 @@ FIRM = (0.9, 0.8, 0.7, 0.6)
 _SAME_COST = 1.05
 # A reset nearly does it that leaves so many times what is allowed.
 _NEARLY = 1.5
+_SIMPLE = ("actions", "untidy")
 # Contact asked for by itself, as a share of the push; where no push holds it, the second.
 CONTACTS = (2.0 / 3.0, 1.0 / 3.0)
 
@@ -154,101 +174,113 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class Pool:
-    """All candidates in one list, n of them.
+    """All candidates in one table.
 
-    parts : their sets.
-    part, number : (n,), the set of each and its number there.
-    family : (n,), the set's.
-    able : (n,), whether the robot can do it.
-    values : (n,) of all that demands or ranks are about.
+    sets : those they are from.
+    rows : by the number of the set and that of the candidate in it: the set's family, whether the
+        robot can do it (able), how many actions, how far from simple a mixture of so many is
+        (untidy), all values that demands or ranks are about, and how far it misses what is demanded
+        in all.
+    excess : by how many e-foldings a value lies on the wrong side of its limit, negative on the
+        right one; a column for each demand.
     limits : what is demanded.
-    excess : (n,), by how many e-foldings a value lies on the wrong side of its limit, negative on
-        the right one.
-    missed : (n,), the sum of those on the wrong side.
-    actions : (n,), how many.
-    untidy : (n,), how far from simple a mixture of so many actions is: unequal weights, then places
-        not the loop's own.
     """
 
-    parts: tuple[Candidates, ...]
-    part: NDArray[np.int64]
-    number: NDArray[np.int64]
-    family: NDArray[np.str_]
-    able: NDArray[np.bool_]
-    values: dict[str, Array]
+    sets: tuple[Candidates, ...]
+    rows: pandas.DataFrame
+    excess: pandas.DataFrame
     limits: dict[str, float]
-    excess: dict[str, Array]
-    missed: Array
-    actions: NDArray[np.int64]
-    untidy: Array
 
-    def strategy(self, index: int) -> ResetStrategy:
+    @property
+    def has_enough(self) -> bool:
+        """Whether the robot can do something that meets all demands."""
+        return bool((self.rows["able"] & (self.rows["missed"] == 0.0)).any())
+
+    def strategy(self, index: tuple[int, int]) -> ResetStrategy:
         """Return a candidate as a strategy."""
-        return self.parts[int(self.part[index])].strategy(int(self.number[index]))
+        place, row = index
+        return self.sets[place].strategy(row)
 
 
-def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:
-    """Return the candidates with their values; the second part starts with the loop's own drag."""
-    own_drag, own = (
-        float(parts[1].source.turns.drag_length[0, 0]),
-        (loop.push.fraction, loop.push.angle),
-    )
-    limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
+def candidate_pool(
+    loop: CollectionLoop,
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    progress: Progress,
+) -> Pool:
+    """Every candidate, those that need what the robot cannot do included, for they are told too."""
+    sets = own_pushes(loop, about, sigma, demands.within)
+    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
+    if RING in demands.abilities and not demands.keep_push:
+        x, y = loop.slider.hitch
+        places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
+    pool = gathered(loop, demands, tuple(sets))
+    for share, slants in zip(CONTACTS, (SLANTS, MORE_SLANTS), strict=True):
+        # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
+        if pool.has_enough or not places:
+            break
+        contact = demands.contact or share * loop.push.distance
+        for hitch in places:
+            source = push_set(loop, about, sigma, contact, slants, hitch)
+            if source is not None:
+                sets.append(searched(source, demands.within, progress))
+        pool = gathered(loop, demands, tuple(sets))
+    return pool
+
+
+def gathered(loop: CollectionLoop, demands: ResetDemands, sets: tuple[Candidates, ...]) -> Pool:
+    """Return the candidates with their values; the second set starts with the loop's own drag."""
+    import pandas
+
+    own_drag = float(sets[1].source.turns.drag_length[0, 0])
     asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
+    limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
-    rows: list[dict[str, Any]] = []
-    for candidates in parts:
-        actions, used = candidates.source.actions, candidates.shares > 0.0
-        sizes, drag = used.sum(axis=1), candidates.shares @ candidates.source.turns.drag_length[0]
-        turned = candidates.shares @ np.array(
-            [bool(action.turn) for action in actions], dtype=float
-        )
-        contact = np.where(used, candidates.source.contact, np.inf).min(axis=1)
-        time = seconds(loop.push.distance + drag, turned)
-        row = {
-            TV: candidates.tv,
-            AFTER: candidates.after,
-            DRAG: drag,
-            SECONDS: time,
-            CONTACT: contact,
-        }
-        if demands.reach is not None:
-            prepared = ResetStrategy(OWN.actions, hitch=candidates.source.hitch).prepared(loop)
-            still = [replace(action, turn=0.0) for action in actions]
-            rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
-            row[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=1)
-        places = [
-            (action.push.fraction, action.push.angle) if action.push else own for action in actions
-        ]
-        kinds = sorted(set(places) - {own})
-        strange = [
-            used[:, [place == kind for place in places]].any(axis=1).astype(float) for kind in kinds
-        ]
-        equal = np.abs(candidates.shares.sum(axis=1) - sizes * candidates.shares.max(axis=1)) < 1e-9
-        untidy = 100.0 * ~equal + sum(strange, start=np.zeros(len(used)))
-        family = np.full(len(used), candidates.source.family)
-        rows.append(
-            {
-                **row,
-                "number": np.arange(len(used)),
-                "sizes": sizes,
-                "untidy": untidy,
-                "family": family,
-            }
-        )
-    values = {name: np.concatenate([row[name] for row in rows]) for name in rows[0]}
-    number, counts, untidy, family = (
-        values.pop(name) for name in ("number", "sizes", "untidy", "family")
-    )
-    excess = {
-        name: np.log(np.maximum(values[name], 1e-9) / limit) for name, limit in limits.items()
-    }
-    if CONTACT in excess:
+    frames = [pandas.DataFrame(_values(loop, each, REACH in limits)) for each in sets]
+    rows = pandas.concat(frames, keys=range(len(sets)))
+    excess = np.log(rows[list(limits)].clip(lower=1e-9) / pandas.Series(limits))
+    if CONTACT in limits:
         excess[CONTACT] = -excess[CONTACT]
-    missed = np.maximum(np.array(list(excess.values())), 0.0).sum(axis=0)
-    able = np.isin(family, [GRIPPER, RING], invert=True) | np.isin(family, demands.abilities)
-    part = np.repeat(np.arange(len(parts)), [len(candidates.tv) for candidates in parts])
-    return Pool(parts, part, number, family, able, values, limits, excess, missed, counts, untidy)
+    family = rows["family"]
+    rows["missed"] = excess.clip(lower=0.0).sum(axis=1)
+    rows["able"] = ~family.isin(ABILITIES) | family.isin(demands.abilities)
+    return Pool(sets, rows, excess, limits)
+
+
+def _values(loop: CollectionLoop, candidates: Candidates, reach: bool) -> dict[str, Any]:
+    """The columns of a set in a `Pool`; that of the room they need takes long."""
+    source, shares = candidates.source, candidates.shares
+    used = shares > 0.0
+    drag = shares @ source.turns.drag_length[0]
+    turned = shares @ np.array([float(action.turn != 0.0) for action in source.actions])
+    values = {
+        "family": source.family,
+        "actions": used.sum(axis=1),
+        "untidy": _untidy(loop.push, source.actions, shares),
+        TV: candidates.tv,
+        AFTER: candidates.after,
+        DRAG: drag,
+        SECONDS: seconds(loop.push.distance + drag, turned),
+        CONTACT: np.where(used, source.contact, np.inf).min(axis=1),
+    }
+    if reach:
+        prepared = ResetStrategy(OWN.actions, hitch=source.hitch).prepared(loop)
+        still = [replace(action, turn=0.0) for action in source.actions]
+        rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
+        values[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=1)
+    return values
+
+
+def _untidy(own: SidePush, actions: Sequence[CycleAction], shares: Array) -> Array:
+    """How far mixtures are from simple: unequal weights, then places not the loop's own."""
+    used = shares > 0.0
+    places = [(push.fraction, push.angle) for push in (action.push or own for action in actions)]
+    strange = np.zeros(len(used))
+    for place in set(places) - {(own.fraction, own.angle)}:
+        strange += used[:, [other == place for other in places]].any(axis=1)
+    unequal = np.abs(shares.sum(axis=1) - used.sum(axis=1) * shares.max(axis=1)) >= 1e-9
+    return np.asarray(100.0 * unequal + strange)
 
 
 def picked(
@@ -259,56 +291,59 @@ def picked(
 
     Of these demands the best that any candidate without a gripper reaches.
     """
-    able, excess, after = pool.able, pool.missed, pool.values[AFTER]
-    meets = able & (excess == 0.0)
-    simple = pool.actions + 1e-3 * pool.untidy
-    if meets.any():
-        # A closer look may find a little more: what is well within is taken where there is some.
-        sure = (
-            meets
-            & (after <= firm * demands.allow_after)
-            & (pool.values[TV] <= firm * demands.allow_tv)
-        )
-        best = (
-            _ranked(np.flatnonzero(sure), pool, demands)
-            if sure.any()
-            else int(np.argmin(np.where(meets, after, 2.0)))
-        )
-        meets = sure if sure.any() else meets
+    rows = pool.rows
+    able = rows[rows["able"]]
+    enough = able[able["missed"] == 0.0]
+    # A closer look may find a little more: what is well within is taken where there is some.
+    sure = enough[
+        (enough[AFTER] <= firm * demands.allow_after) & (enough[TV] <= firm * demands.allow_tv)
+    ]
+    if len(sure):
+        best = _ranked(sure, demands)
+        enough = sure
     else:
-        best = int(min(np.flatnonzero(able), key=lambda index: (excess[index], simple[index])))
-    nearly = np.flatnonzero(able & (excess <= max(math.log(_NEARLY) * 2.0, 1.1 * excess[best])))
-    nearly = nearly[after[nearly] <= max(_NEARLY * demands.allow_after, _NEARLY * after[best])]
-    roles = [(CHOSEN, best)]
-    if nearly.size:
-        roles.append((SIMPLEST, min(nearly.tolist(), key=lambda i: (simple[i], after[i]))))
-    roles.append((EVENEST, min(np.flatnonzero(able).tolist(), key=lambda i: after[i])))
-    if meets.any():
-        roles.append(
-            (CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: pool.values[SECONDS][i]))
-        )
+        best = enough[AFTER].idxmin() if len(enough) else _first(able, "missed", *_SIMPLE)
+    chosen = rows.loc[best]
+    nearly = able[
+        (able["missed"] <= max(math.log(_NEARLY) * 2.0, 1.1 * chosen["missed"]))
+        & (able[AFTER] <= _NEARLY * max(demands.allow_after, chosen[AFTER]))
+    ]
+    roles = {CHOSEN: best}
+    if len(nearly):
+        roles[SIMPLEST] = _first(nearly, *_SIMPLE, AFTER)
+    roles[EVENEST] = able[AFTER].idxmin()
+    if len(enough):
+        roles[CHEAPEST] = enough[SECONDS].idxmin()
     for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER)):
-        ones = np.flatnonzero(pool.family == name)
-        if ones.size:
-            # Of those that meet the demands the fewest actions, else the most uniform.
-            within = ones[excess[ones] == 0.0]
-            ones = (
-                within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
-            )
-            roles.append((role, min(ones.tolist(), key=lambda i: after[i])))
+        of_family = rows[rows["family"] == name]
+        if len(of_family):
+            roles[role] = _evenest(of_family)
     limits = []
-    for name in (name for name, excess_of in pool.excess.items() if excess_of[best] > 0.0):
-        least = int(np.argmin(np.where(pool.family == GRIPPER, np.inf, pool.excess[name])))
-        limits.append(Limit(name, float(pool.values[name][least]), pool.strategy(least)))
-    return [(role, pool.strategy(index)) for role, index in roles], tuple(limits)
+    others = pool.excess[rows["family"] != GRIPPER]
+    for name in (name for name in pool.limits if pool.excess.at[best, name] > 0.0):
+        least = others[name].idxmin()
+        limits.append(Limit(name, float(rows.at[least, name]), pool.strategy(least)))
+    return [(role, pool.strategy(index)) for role, index in roles.items()], tuple(limits)
 
 
-def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
+def _evenest(rows: pandas.DataFrame) -> tuple[int, int]:
+    """The most uniform, of those of the fewest actions where some meet the demands."""
+    enough = rows[rows["missed"] == 0.0]
+    fewest = enough[enough["actions"] == enough["actions"].min()]
+    best: tuple[int, int] = (fewest if len(fewest) else rows)[AFTER].idxmin()
+    return best
+
+
+def _ranked(rows: pandas.DataFrame, demands: ResetDemands) -> tuple[int, int]:
     """The best of those that meet the demands: evenness as far as the pushes can tell, then cost,
     then simplicity.
     """
-    after, time = pool.values[AFTER], pool.values[SECONDS]
     tell = _TELL_APART * independent_distance(demands.pushes)
-    chosen = chosen[after[chosen] <= after[chosen].min() + tell]
-    chosen = chosen[time[chosen] <= _SAME_COST * time[chosen].min()]
-    return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))
+    rows = rows[rows[AFTER] <= rows[AFTER].min() + tell]
+    rows = rows[rows[SECONDS] <= _SAME_COST * rows[SECONDS].min()]
+    return _first(rows, *_SIMPLE, AFTER)
+
+
+def _first(rows: pandas.DataFrame, *by: str) -> tuple[int, int]:
+    first: tuple[int, int] = rows.sort_values(list(by), kind="stable").index[0]
+    return first

@@ -40,19 +40,26 @@ SLANTS = (-math.radians(10.0), 0.0, math.radians(10.0))
 MORE_SLANTS = tuple(math.radians(10.0 * step) for step in range(-3, 4))
 # In eight equal directions a leg leaves the same whichever way the surface lies, but for its eighth
 # harmonic.
-LEG_LENGTHS, LEG_DIRECTIONS = (0.10, 0.20), 8
+LEG_LENGTHS = (0.10, 0.20)
+LEG_DIRECTIONS = 8
 MOST_TOGETHER = 4
 # Of an object with more sides than this only straight pushes are considered, and not on every side.
-_MANY_SIDES, _MOST_SIDES = 4, 8
-SAMPLES, _REFINED = 36, 256
+_MANY_SIDES = 4
+_MOST_SIDES = 8
+SAMPLES = 36
+_REFINED = 256
 # A slope of the turn above this jumps where friction is a little different: such pushes are not
 # certain.
 STEEPEST = 2.5
-_ROUGH_MODES, _MODES, _AT_ONCE = 8, 12, 2_000
+_ROUGH_MODES = 8
+_MODES = 12
+_AT_ONCE = 2_000
 # Starts and places at which the search compares densities of twelve harmonics with uniform.
-_STARTS, _PLACES = 24, 48
+_STARTS = 24
+_PLACES = 48
 # Subsets kept from the rough look at few materials, and those whose weights are varied.
-_KEPT, _WEIGHED = 150, 40
+_KEPT = 150
+_WEIGHED = 40
 _PARTS = (1, 2, 3)
 _MATERIALS_FIRST = 3
 
@@ -93,7 +100,7 @@ class Candidates:
     def strategy(self, index: int) -> ResetStrategy:
         """Return one of them as a strategy, actions in random order."""
         chosen = np.flatnonzero(self.shares[index])
-        actions = tuple(self.source.actions[number] for number in chosen.tolist())
+        actions = tuple(self.source.actions[place] for place in chosen.tolist())
         weights = self.shares[index][chosen] / self.shares[index][chosen].min()
         return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
 
@@ -160,8 +167,9 @@ def push_set(
         else np.argsort(steepest)[:1]
     )
     turns = SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen])
-    least_steep = tuple(made.actions[number] for number in chosen.tolist())
-    contact, kernels = made.contact[chosen], made.kernels[:, chosen]
+    least_steep = tuple(made.actions[place] for place in chosen.tolist())
+    contact = made.contact[chosen]
+    kernels = made.kernels[:, chosen]
     return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
 
 
@@ -171,7 +179,8 @@ def _pushes_around(
     """The loop's push at several places and slants of every side, those of the loop itself among
     them; `straight`: with its own slant alone.
     """
-    outline, own = loop.slider.outline, loop.push
+    outline = loop.slider.outline
+    own = loop.push
     count = min(outline.sides, _MOST_SIDES)
     sides = sorted({round(side) for side in np.linspace(0, outline.sides - 1, count)})
     fractions = sorted(
@@ -197,32 +206,33 @@ def searched(source: ActionSet, within: int, progress: Progress) -> Candidates:
     of two or three with all weights of one to three parts.
     """
     # Roughly: on the nominal material and the two farthest away, with fewer harmonics.
-    turn, chosen = source.turns.turn, [0]
+    turn = source.turns.turn
+    chosen = [0]
     while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
         apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
         chosen.append(int(np.argmax(apart)))
     kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES), 2 * _MODES]
     count = len(source.actions)
     rough = replace(source, kernels=source.kernels[np.ix_(chosen, range(count), kept, kept)])
-    found = []
+    mixed = []
     for size in range(1, min(MOST_TOGETHER, count) + 1):
         subsets = np.array(list(combinations(range(count), size)))
         shares = np.zeros((len(subsets), count))
         np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
         order = np.argsort(scored(rough, shares).tv, kind="stable")
-        found.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
+        mixed.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    few = [mixtures for size, mixtures in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
+    few = [mixtures for size, mixtures in enumerate(mixed, 1) if 1 < size < MOST_TOGETHER]
     if few:
         shares, after = (
             np.concatenate([getattr(mixtures, name) for mixtures in few])
             for name in ("shares", "after")
         )
-        found.append(
+        mixed.append(
             scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within)
         )
     stacked = (
-        np.concatenate([getattr(mixtures, name) for mixtures in found])
+        np.concatenate([getattr(mixtures, name) for mixtures in mixed])
         for name in ("shares", "tv", "after")
     )
     return Candidates(source, *stacked)
@@ -234,7 +244,8 @@ def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candi
 
     Without `within` those after so many pushes are not looked at.
     """
-    tv, after = np.zeros(len(shares)), np.zeros(len(shares))
+    tv = np.zeros(len(shares))
+    after = np.zeros(len(shares))
     for kernels in source.kernels:
         for rows in (
             np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE))
@@ -270,9 +281,9 @@ def _weighed(shares: Array) -> Array:
     rows = []
     for row in shares:
         chosen = np.flatnonzero(row)
-        for parts in product(_PARTS, repeat=len(chosen)):
-            if reduce(math.gcd, parts) == 1 and len(set(parts)) > 1:
+        for weights in product(_PARTS, repeat=len(chosen)):
+            if reduce(math.gcd, weights) == 1 and len(set(weights)) > 1:
                 made = np.zeros_like(row)
-                made[chosen] = np.array(parts) / sum(parts)
+                made[chosen] = np.array(weights) / sum(weights)
                 rows.append(made)
     return np.array(rows).reshape(-1, shares.shape[1])

@@ -9,12 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole, nodes_around
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import ResetStrategy
 from cyclemap.resets.coverage import Crowding
@@ -47,7 +46,7 @@ class StrategyRun:
     """
 
     theta: Array
-    action: NDArray[np.int64]
+    action: Whole
 
 
 def run_strategy(
@@ -102,31 +101,30 @@ def run_strategy(
     >>> bool(abs(run.theta[0, 1] - loop.cycle(0.0).theta_next) < 1e-9)
     True
     """
-    count, many = whole_number("cycles", cycles, least=1), whole_number("runs", runs, least=1)
+    count = whole_number("cycles", cycles, least=1)
+    many = whole_number("runs", runs, least=1)
     chosen = drawn_actions(strategy, count, many, seed)
     kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
-    turns, report = (
-        np.array([action.turn for action in strategy.actions]),
-        progress or (lambda fraction: None),
-    )
+    turns = np.array([action.turn for action in strategy.actions])
+    report = progress or (lambda fraction: None)
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
-    for number in range(count):
+    for cycle in range(count):
         if loop.material.wear is not None:
-            today = strategy.loops(worn_loop(loop, number))
-        doing = chosen[:, number]
-        ran = run_cycles([today[action] for action in doing.tolist()], theta[:, number, None])
-        theta[:, number + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, number]
-        report((number + 1) / count)
+            today = strategy.loops(worn_loop(loop, cycle))
+        doing = chosen[:, cycle]
+        ran = run_cycles([today[action] for action in doing.tolist()], theta[:, cycle, None])
+        theta[:, cycle + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, cycle]
+        report((cycle + 1) / count)
     return StrategyRun(read_only(theta), chosen)
 
 
-def drawn_actions(strategy: ResetStrategy, cycles: int, runs: int, seed: int) -> NDArray[np.int64]:
+def drawn_actions(strategy: ResetStrategy, cycles: int, runs: int, seed: int) -> Whole:
     """Return the number of the action of each cycle, (runs, cycles), each run drawn by itself."""
     seeds: list[int | np.random.SeedSequence] = [seed]
     seeds += [np.random.SeedSequence(seed, spawn_key=(run,)) for run in range(1, runs)]
-    return np.array([strategy.drawn(cycles, one) for one in seeds])
+    return np.array([strategy.drawn(cycles, stream) for stream in seeds])
 
 
 def noise_of_runs(sigma: float, cycles: int, runs: int, seed: int) -> Array:
@@ -182,7 +180,7 @@ def sampled_orientations(
     """
     chosen = drawn_actions(strategy, cycles, runs, seed)
     return _followed(
-        turn, chosen.shape, sigma, seed, start, lambda number, theta, ends: chosen[:, number]
+        turn, chosen.shape, sigma, seed, start, lambda cycle, theta, ends: chosen[:, cycle]
     )
 
 
@@ -225,7 +223,7 @@ def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed
     """
     crowding = Crowding(runs)
 
-    def least(number: int, theta: Array, ends: Array) -> NDArray[np.int64]:
+    def least(cycle: int, theta: Array, ends: Array) -> Whole:
         crowding.add(theta)
         return np.asarray(np.argmin(crowding.at(ends), axis=0))
 
@@ -238,10 +236,11 @@ def _followed(
     sigma: float,
     seed: int,
     start: float | None,
-    choose: Callable[[int, Array, Array], NDArray[np.int64]],
+    choose: Callable[[int, Array, Array], Whole],
 ) -> Array:
     runs, cycles = shape
-    kicks, rows = noise_of_runs(sigma, cycles, runs, seed), np.arange(runs)
+    kicks = noise_of_runs(sigma, cycles, runs, seed)
+    rows = np.arange(runs)
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM, 1)))
     theta = np.empty((runs, cycles))
     now = (
@@ -249,13 +248,11 @@ def _followed(
         if start is None
         else np.full(runs, finite_number("start", start))
     )
-    around = np.concatenate([turn, turn[:, :1]], axis=1)
-    for number in range(cycles):
-        theta[:, number] = now
-        place = (now % TWO_PI) * (turn.shape[1] / TWO_PI)
-        below = np.minimum(place.astype(int), turn.shape[1] - 1)
-        ends = now + around[:, below] + (place - below) * (around[:, below + 1] - around[:, below])
-        now = ends[choose(number, now, ends), rows] + kicks[:, number]
+    for cycle in range(cycles):
+        theta[:, cycle] = now
+        before, after, share = nodes_around(now, turn.shape[1])
+        ends = now + turn[:, before] + share * (turn[:, after] - turn[:, before])
+        now = ends[choose(cycle, now, ends), rows] + kicks[:, cycle]
     return theta
 
 
@@ -333,7 +330,8 @@ def independent_distance(pushes: int) -> float:
     """
     from scipy.stats import binom
 
-    count, chance = whole_number("pushes", pushes, least=1), 1.0 / BINS
+    count = whole_number("pushes", pushes, least=1)
+    chance = 1.0 / BINS
     # E|K - np| = 2 (1 - p) m P(K = m), m = floor(np) + 1.
     most = math.floor(count * chance) + 1
     deviation = 2.0 * (1.0 - chance) * most * float(binom.pmf(most, count, chance))

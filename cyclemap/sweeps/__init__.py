@@ -17,7 +17,6 @@ Reading
 -------
 load_sweep, Sweep : what was found so far
 to_dataset, write_netcdf, write_csv : as an xarray Dataset, NetCDF, CSV
-sweep_curves, SweptLines, SweptPlane, SweptScatter : what can be drawn of one key or two
 
 Margins
 -------
@@ -52,12 +51,6 @@ if TYPE_CHECKING:
         SweptPoint as SweptPoint,
     )
     from cyclemap.sweeps.run_sweep import run_sweep as run_sweep, sweep_status as sweep_status
-    from cyclemap.sweeps.sweep_curves import (
-        SweptLines as SweptLines,
-        SweptPlane as SweptPlane,
-        SweptScatter as SweptScatter,
-        sweep_curves as sweep_curves,
-    )
     from cyclemap.sweeps.sweep_plan import SweepPlan as SweepPlan
     from cyclemap.sweeps.sweep_results import (
         Sweep as Sweep,

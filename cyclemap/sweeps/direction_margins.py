@@ -3,7 +3,7 @@ along every one of its settings."""
 
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -108,8 +108,8 @@ class DirectionMargin:
     @property
     def nearest(self) -> DirectionChange | None:
         """The nearer of the two."""
-        found = [change for change in (self.below, self.above) if change is not None]
-        return min(found, key=lambda change: abs(change.value - self.value), default=None)
+        changes = [change for change in (self.below, self.above) if change is not None]
+        return min(changes, key=lambda change: abs(change.value - self.value), default=None)
 
     @property
     def share(self) -> float:
@@ -213,16 +213,16 @@ class _Way:
     end: float
     count: int
 
-    def at(self, value: float, accuracy: float) -> CollectionLoop:
-        """The loop with the setting at a value, SI."""
+    def at(self, value: float) -> CollectionLoop:
+        """The loop with the setting at a value, SI, for counting."""
         set_there = loop_from_settings(
             {self.setting.key: value / float(self.setting.unit.in_si)}, self.loop
         )
-        return replace(set_there, accuracy=accuracy)
+        return replace(set_there, accuracy=_COUNTED)
 
     def counted(self, value: float) -> int:
         """How many stable directions there are."""
-        return len(stable_points([self.at(value, _COUNTED)])[0])
+        return len(stable_points([self.at(value)])[0])
 
     def nearest(self) -> tuple[DirectionChange | None, float]:
         """The nearest change, and how far it was looked for."""
@@ -240,17 +240,19 @@ class _Way:
 
     def _between(self, near: float, far: float, beyond: int) -> DirectionChange:
         """The change of the number between two values."""
-        rich = near if beyond < self.count else far
-        for theta, target in sorted(self._starts(rich), key=lambda start: -start[1]):
-            solved = self._solved(theta, rich, target, (min(near, far), max(near, far)))
+        rich, ends = near if beyond < self.count else far, (min(near, far), max(near, far))
+        unit, setting = float(self.setting.unit.in_si), self.setting
+        step = _SETTING_STEP * unit * (setting.high - setting.low)
+        for theta, kind in self._starts(rich):
+            solved = smooth_change(self.at, (theta, rich), SMOOTH[kind], step, ends)
             if solved is None:
                 continue
-            root, value, beside = solved
+            # What moves the turn by 1 mrad.
+            beside = _BESIDE / max(abs(float(solved.slopes[0, 1])), 1e-300)
             beside = min(beside, 0.25 * abs(far - near)) * math.copysign(1.0, far - near)
-            counts = [self.counted(value + side * beside) for side in (-1.0, 1.0)]
+            counts = [self.counted(solved.value + side * beside) for side in (-1.0, 1.0)]
             if counts[0] == self.count != counts[1]:
-                kind = next(name for name, slope in SMOOTH.items() if slope == target)
-                return DirectionChange(value, kind, root % TWO_PI, counts[1])
+                return DirectionChange(solved.value, kind, solved.theta % TWO_PI, counts[1])
         for _ in range(_HALVINGS):
             middle = 0.5 * (near + far)
             many = self.counted(middle)
@@ -261,66 +263,90 @@ class _Way:
             Estimate(0.5 * (near + far), 0.5 * abs(far - near)), "kink", math.nan, beyond
         )
 
-    def _starts(self, value: float) -> Iterator[tuple[float, float]]:
-        """Angles of a map at which Newton's method begins, and the slope that it seeks: where the
-        slope passes it.
+    def _starts(self, value: float) -> Iterator[tuple[float, str]]:
+        """Angles of a map at which Newton's method begins, and the kind of change that it seeks:
+        where the slope passes that of one.
         """
         theta = TWO_PI * np.arange(_NODES) / _NODES
-        batch = run_batch((self.at(value, _COUNTED),), theta[None], 1)
+        batch = run_batch((self.at(value),), theta[None], 1)
         slope, turn = batch.jacobian[0, :, -1, 0], np.abs(shorter_way(batch.theta_next[0] - theta))
-        for target in SMOOTH.values():
+        for kind, target in SMOOTH.items():
             passes = np.flatnonzero((slope - target) * (np.roll(slope, -1) - target) <= 0.0)
-            yield from ((float(theta[at]), target) for at in passes[np.argsort(turn[passes])])
+            yield from ((float(theta[at]), kind) for at in passes[np.argsort(turn[passes])])
 
-    def _solved(
-        self, theta: float, value: float, target: float, ends: tuple[float, float]
-    ) -> tuple[float, Estimate, float] | None:
-        """Where the turn is whole and the slope ``target``: angle and value; and what moves the
-        turn by 1 mrad.
-        """
-        step = (
-            _SETTING_STEP * float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
-        )
-        slack = 0.5 * (ends[1] - ends[0])
-        for _ in range(_ITERATIONS):
-            try:
-                residual, matrix = self._system(theta, value, target, step)
-            except CycleMapError:
-                return None
-            if not abs(np.linalg.det(matrix)) > 1e-12:
-                return None
-            moved = -np.linalg.solve(matrix, residual)
-            theta, value = theta + float(np.clip(moved[0], -0.3, 0.3)), value + float(moved[1])
-            if not ends[0] - slack <= value <= ends[1] + slack:
-                return None
-            if abs(moved[1]) < 1e-3 * step and abs(moved[0]) < 1e-6:
-                break
-        else:
-            return None
-        if not ends[0] <= value <= ends[1]:
-            return None
-        row = np.abs(np.linalg.inv(matrix)[1])
-        off = np.abs(residual) + np.array([_CYCLE_ERROR, _SLOPE_ERROR])
-        error = float(row @ off) + abs(float(moved[1]))
-        return theta, Estimate(value, error), _BESIDE / max(abs(float(matrix[0, 1])), 1e-300)
 
-    def _system(
-        self, theta: float, value: float, target: float, step: float
-    ) -> tuple[Array, Array]:
-        """(turn, slope - target), and the derivative by the angle and the value, by centred
-        differences.
-        """
-        loops = [self.at(value + k * step, _ACCURACY) for k in (-1, 0, 1)]
-        angles = np.tile(theta + _ANGLE_STEP * np.arange(-1.0, 2.0), (3, 1))
-        batch = run_batch(loops, angles, 1)
-        slope = batch.jacobian[:, :, -1, 0]
-        turn = float(shorter_way(batch.theta_next[1, 1] - theta))
-        push = float(batch.theta_next[2, 1] - batch.theta_next[0, 1]) / (2.0 * step)
-        bend = float(slope[1, 2] - slope[1, 0]) / (2.0 * _ANGLE_STEP)
-        twist = float(slope[2, 1] - slope[0, 1]) / (2.0 * step)
-        return np.array([turn, slope[1, 1] - target]), np.array(
-            [[slope[1, 1] - 1.0, push], [bend, twist]]
-        )
+@dataclass(frozen=True, eq=False)
+class SmoothChange:
+    """Where θ returns after a cycle with a given slope of the map.
+
+    theta : rad.
+    value : of what the loop varies with, with its bound.
+    slopes : ((f' - 1, ∂f/∂value), (f'', ∂f'/∂value)) there.
+    """
+
+    theta: float
+    value: Estimate
+    slopes: Array
+
+
+def smooth_change(
+    loop_at: Callable[[float], CollectionLoop],
+    start: tuple[float, float],
+    target: float,
+    step: float,
+    ends: Ends,
+) -> SmoothChange | None:
+    """Solve f(θ) = θ, f'(θ) = `target` for angle (rad) and value by Newton's method; None where it
+    finds nothing between the ends of the value.
+
+    step : of the value, of differences by it.
+    """
+    theta, value = start
+    slack = 0.5 * (ends[1] - ends[0])
+    for _ in range(_ITERATIONS):
+        try:
+            residual, slopes = _system(loop_at, theta, value, target, step)
+        except CycleMapError:
+            return None
+        if not abs(np.linalg.det(slopes)) > 1e-12:
+            return None
+        moved = -np.linalg.solve(slopes, residual)
+        theta, value = theta + float(np.clip(moved[0], -0.3, 0.3)), value + float(moved[1])
+        if not ends[0] - slack <= value <= ends[1] + slack:
+            return None
+        if abs(moved[1]) < 1e-3 * step and abs(moved[0]) < 1e-6:
+            break
+    else:
+        return None
+    if not ends[0] <= value <= ends[1]:
+        return None
+    row = np.abs(np.linalg.inv(slopes)[1])
+    off = np.abs(residual) + np.array([_CYCLE_ERROR, _SLOPE_ERROR])
+    error = float(row @ off) + abs(float(moved[1]))
+    return SmoothChange(theta, Estimate(value, error), slopes)
+
+
+def _system(
+    loop_at: Callable[[float], CollectionLoop],
+    theta: float,
+    value: float,
+    target: float,
+    step: float,
+) -> tuple[Array, Array]:
+    """(turn, slope - target), and the derivative by the angle and the value, by centred
+    differences.
+    """
+    loops = [replace(loop_at(value + k * step), accuracy=_ACCURACY) for k in (-1, 0, 1)]
+    angles = np.tile(theta + _ANGLE_STEP * np.arange(-1.0, 2.0), (3, 1))
+    batch = run_batch(loops, angles, 1)
+    slope = batch.jacobian[:, :, -1, 0]
+    turn = float(shorter_way(batch.theta_next[1, 1] - theta))
+    push = float(batch.theta_next[2, 1] - batch.theta_next[0, 1]) / (2.0 * step)
+    bend = float(slope[1, 2] - slope[1, 0]) / (2.0 * _ANGLE_STEP)
+    twist = float(slope[2, 1] - slope[0, 1]) / (2.0 * step)
+    return np.array([turn, slope[1, 1] - target]), np.array(
+        [[slope[1, 1] - 1.0, push], [bend, twist]]
+    )
 
 
 def change_curve(

@@ -12,8 +12,8 @@ from functools import lru_cache
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Slider, load_material
@@ -25,6 +25,8 @@ SWEPT = {
     **SETTINGS,
     MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD),
 }
+# By the ending of a key.
+KEY_UNITS = {"deg": "degree", "mm": "mm", "kg": "kg"}
 _MOST_VALUES = 1_000_000
 
 
@@ -70,6 +72,12 @@ class SweepAxis:
     def is_number(self) -> bool:
         """Whether the values are numbers."""
         return isinstance(self.values[0], float)
+
+    @property
+    def positions(self) -> Array:
+        """Where the values stand, (n,): the numbers themselves, or 0, 1, 2, ... for anything "
+        "else."""
+        return np.array(self.values if self.is_number else range(len(self.values)), dtype=float)
 
     def at(self, share: float) -> object:
         """Return the value at a share of the list, 0 <= share < 1: how a sample draws from it."""
@@ -133,13 +141,13 @@ def parse_over(text: str) -> SweptKey:
     >>> parse_over("material=plywood,abs").values
     ('plywood', 'abs')
     """
-    key, equals, values = (part.strip() for part in text.partition("="))
+    key, equals, values = (word.strip() for word in text.partition("="))
     if not (key and equals and values):
         raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
     check_key(key)
     kind, parts = SWEPT[key].kind, values.split(":")
     if kind == WORD:
-        return SweepAxis(key, tuple(part.strip() for part in values.split(",")))
+        return SweepAxis(key, tuple(word.strip() for word in values.split(",")))
     if len(parts) == 1:
         try:
             listed = (
@@ -152,7 +160,7 @@ def parse_over(text: str) -> SweptKey:
             raise InvalidInput(f"--over {key}={values}: give {form}") from cause
         return SweepAxis(key, tuple(listed))  # type: ignore[arg-type]
     try:
-        numbers = [plain_number(part) for part in parts[:2]]
+        numbers = [plain_number(word) for word in parts[:2]]
         count = plain_whole(parts[2]) if len(parts) == 3 else 0
     except ValueError:
         numbers = []
@@ -169,6 +177,11 @@ def parse_over(text: str) -> SweptKey:
     return SweepAxis(key, tuple(np.linspace(numbers[0], numbers[1], count).tolist()))
 
 
+def key_unit(key: str) -> str:
+    """The unit that a key's ending tells, "1" where it tells none."""
+    return KEY_UNITS.get(key.rpartition("_")[2], "1")
+
+
 def check_key(key: str) -> None:
     """Raise InvalidInput, with the nearest known one, for a key that cannot be swept."""
     if key not in SWEPT:
@@ -179,12 +192,12 @@ def checked_value(key: str, value: object) -> object:
     """Return a value that `key` may have (see `Setting.checked`), names of materials and shapes
     looked up.
     """
-    found = SWEPT[key].checked(value)
+    checked = SWEPT[key].checked(value)
     if key == MATERIAL_KEY:
-        load_material(str(found))
+        load_material(str(checked))
     if key == "shape":
-        Slider.mit(str(found))
-    return found
+        Slider.mit(str(checked))
+    return checked
 
 
 def check_distinct(keys: Iterable[str]) -> None:
@@ -245,11 +258,11 @@ class Grid:
     def __len__(self) -> int:
         return math.prod(len(axis.values) for axis in self.axes)
 
-    def settings(self, number: int) -> dict[str, object]:
+    def settings(self, index: int) -> dict[str, object]:
         """The swept settings of point `number`, counted from 0."""
         chosen: dict[str, object] = {}
         for axis in reversed(self.axes):
-            number, place = divmod(number, len(axis.values))
+            index, place = divmod(index, len(axis.values))
             chosen[axis.key] = axis.values[place]
         return {key: chosen[key] for key in self.keys}
 
@@ -320,11 +333,9 @@ class Sample:
     def __len__(self) -> int:
         return self.count
 
-    def settings(self, number: int) -> dict[str, object]:
+    def settings(self, index: int) -> dict[str, object]:
         """The swept settings of point `number`, counted from 0."""
-        shares = _block(self.sequence, self.seed, len(self.ranges), number // _BLOCK)[
-            number % _BLOCK
-        ]
+        shares = _block(self.sequence, self.seed, len(self.ranges), index // _BLOCK)[index % _BLOCK]
         return {
             axis.key: axis.at(float(share)) for axis, share in zip(self.ranges, shares, strict=True)
         }
@@ -350,7 +361,7 @@ PointSet = Grid | Sample
 
 
 @lru_cache(maxsize=4)
-def _block(sequence: str, seed: int, dimensions: int, block: int) -> NDArray[np.float64]:
+def _block(sequence: str, seed: int, dimensions: int, block: int) -> Array:
     """Points (1024, dimensions) of the unit box, each in [0, 1)."""
     if sequence == "uniform":
         return np.random.default_rng([seed, block]).random((_BLOCK, dimensions))
@@ -359,4 +370,4 @@ def _block(sequence: str, seed: int, dimensions: int, block: int) -> NDArray[np.
     engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
     if block:
         engine.fast_forward(block * _BLOCK)
-    return cast(NDArray[np.float64], np.minimum(engine.random(_BLOCK), np.nextafter(1.0, 0.0)))
+    return cast(Array, np.minimum(engine.random(_BLOCK), np.nextafter(1.0, 0.0)))

@@ -333,15 +333,15 @@ class PortraitNumbers:
             if "rotation" in self.groups and is_nondecreasing(work.map):
                 # Maps that fold have an interval anyway; whether the number is told as finely as
                 # asked, soon.
-                found = rotation_number(
+                rotation = rotation_number(
                     work.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES
                 )
                 if (
-                    found.locked is None
-                    and found.upper - found.lower > 2.0 * self.rotation_tolerance
+                    rotation.locked is None
+                    and rotation.upper - rotation.lower > 2.0 * self.rotation_tolerance
                 ):
                     return None
-                work.rotation = found
+                work.rotation = rotation
             return work if "fixed_points" not in self.groups or work.are_points_settled else None
         except CycleMapError:
             return None
@@ -397,14 +397,16 @@ class _Work:
 
 
 def _rotation_values(work: _Work) -> Values:
-    found = work.rotation
+    rotation = work.rotation
     winding, period = (
-        (0, 0) if found.locked is None else (found.locked.numerator, found.locked.denominator)
+        (0, 0)
+        if rotation.locked is None
+        else (rotation.locked.numerator, rotation.locked.denominator)
     )
     return {
-        "rotation": float(found.value),
-        "rotation_lower": found.lower,
-        "rotation_upper": found.upper,
+        "rotation": float(rotation.value),
+        "rotation_lower": rotation.lower,
+        "rotation_upper": rotation.upper,
         "locked_winding": float(winding),
         "locked_period": float(period),
     }
@@ -438,13 +440,13 @@ def _stationary_values(work: _Work) -> Values:
 
 
 def _staircase_values(work: _Work) -> Values:
-    found = predict_staircase(work.map, work.noise, work.operator)
+    staircase = predict_staircase(work.map, work.noise, work.operator)
     return {
-        "noisy_mean_turn": float(found.mean_turn),
+        "noisy_mean_turn": float(staircase.mean_turn),
         "mean_residence_cycles": np.nan
-        if found.mean_residence_cycles is None
-        else float(found.mean_residence_cycles),
-        "step": np.nan if found.step is None else float(found.step),
+        if staircase.mean_residence_cycles is None
+        else float(staircase.mean_residence_cycles),
+        "step": np.nan if staircase.step is None else float(staircase.step),
     }
 
 

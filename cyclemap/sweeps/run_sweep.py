@@ -48,25 +48,25 @@ def find_chunk(numbers: PortraitNumbers, points: tuple[SweptPoint, ...]) -> Foun
     point.
     """
     begun = time.perf_counter()
-    found = []
+    outcomes = []
     for point in points:
         try:
             with warnings.catch_warnings():
                 # A sweep goes where it is sent: what is doubtful of its ends was said when it was
                 # planned.
                 warnings.simplefilter("ignore", DoubtfulInput)
-                found.append((point, numbers(point)))
+                outcomes.append((point, numbers(point)))
         except Exception as error:
             given = point.settings.items()
-            told = (
+            settings = (
                 f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}"
                 for key, value in given
             )
             raise CycleMapError(
-                f"point {point.number} ({', '.join(told)}) failed, which no input should make it "
-                f"do: {type(error).__name__}: {error}"
+                f"point {point.number} ({', '.join(settings)}) failed, which no input should make "
+                f"it do: {type(error).__name__}: {error}"
             ) from error
-    return found, numbers.version, time.perf_counter() - begun
+    return outcomes, numbers.version, time.perf_counter() - begun
 
 
 Found = TypeVar("Found")
@@ -266,7 +266,7 @@ class _Run:
             if future.cancelled():
                 continue
             try:
-                found, version, seconds = future.result()
+                outcomes, version, seconds = future.result()
             except CancelledError as error:
                 raise CycleMapError(
                     f"the executor dropped a chunk ({error}): run the same sweep again"
@@ -276,15 +276,15 @@ class _Run:
                     f"a worker runs another version of the code ({version}, not {wanted}): "
                     "install the same one there"
                 )
-            self.store.add(found)
-            each = seconds / len(found)
+            self.store.add(outcomes)
+            each = seconds / len(outcomes)
             self.point_seconds = (
                 each if self.point_seconds is None else 0.5 * (self.point_seconds + each)
             )
-            refused = sum(bool(outcome.refusal) for _, outcome in found)
+            refused = sum(bool(outcome.refusal) for _, outcome in outcomes)
             before = self.status
             self.status = SweepStatus(
-                before.points, before.stored + len(found), before.refused + refused
+                before.points, before.stored + len(outcomes), before.refused + refused
             )
             self.progress(self.status)
 
@@ -300,16 +300,16 @@ class _Run:
         """
         chunk: list[SweptPoint] = []
         stored: set[str] = set()
-        for number in range(len(self.plan)):
-            if number % _LOOKED_UP == 0:
-                stored = self.store.digests(number, number + _LOOKED_UP)
-            point = self.plan.point(number)
+        for index in range(len(self.plan)):
+            if index % _LOOKED_UP == 0:
+                stored = self.store.digests(index, index + _LOOKED_UP)
+            point = self.plan.point(index)
             if point.digest in stored:
                 continue
             chunk.append(point)
             size = 1
             if self.point_seconds is not None:
-                fair = (len(self.plan) - number) // (2 * self.workers)
+                fair = (len(self.plan) - index) // (2 * self.workers)
                 size = min(
                     int(_CHUNK_SECONDS / max(self.point_seconds, 1e-9)), fair, _LARGEST_CHUNK
                 )

@@ -108,7 +108,7 @@ class SweepPlan:
         # Settings with which no loop can be made: not by themselves, nor at the first or the last
         # point.
         material = next(iter(self.materials.values()))
-        points = [self.point(number) for number in (0, len(self) - 1)]
+        points = [self.point(index) for index in (0, len(self) - 1)]
         faults = []
         for surface, settings in (
             (material, self.settings),
@@ -216,15 +216,15 @@ class SweepPlan:
         settings = {**self.settings, **swept}
         name = str(settings.pop(MATERIAL_KEY, ""))
         material, numbers = self.materials[name], self.numbers
-        told: list[object] = [
+        facts: list[object] = [
             _fingerprint(material),
             settings,
             numbers.described(),
             numbers.version,
         ]
         file = str(Path(str(settings.get(FOOTPRINT_KEY, ""))))
-        told += [self.footprint_files[file]] if file in self.footprint_files else []
-        digest = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+        facts += [self.footprint_files[file]] if file in self.footprint_files else []
+        digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
         return SweptPoint(number, digest, material, settings, swept)
 
     def described(self) -> dict[str, object]:
@@ -258,21 +258,21 @@ class SweepPlan:
         return {"": given if isinstance(given, Material) else load_material(given)}
 
 
-def _listed(over: object, told: str) -> dict[str, tuple[Any, ...]]:
+def _listed(over: object, what: str) -> dict[str, tuple[Any, ...]]:
     if not isinstance(over, Mapping):
         raise InvalidInput(
             f"over must tell the values of each key, as {{'mu_a': (0.2, 0.3)}}, not {over!r}"
         )
     for key, values in over.items():
         if isinstance(values, str) or not isinstance(values, Iterable):
-            raise InvalidInput(f"{key} is {values!r}: give its {told} as a list")
+            raise InvalidInput(f"{key} is {values!r}: give its {what} as a list")
     return {key: tuple(values) for key, values in over.items()}
 
 
 def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:
     """The words that a swept key takes; () where it is not swept."""
     listed = points.axes if isinstance(points, Grid) else points.ranges
-    axis = next((found for found in listed if found.key == key), None)
+    axis = next((swept for swept in listed if swept.key == key), None)
     return tuple(map(str, axis.values)) if isinstance(axis, SweepAxis) else ()
 
 

@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.sweeps.point_sets import SweepAxis
+from cyclemap.sweeps.point_sets import SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_store import SweepStore
+from cyclemap.sweeps.sweep_store import Description, SweepStore
 from cyclemap.text_files import write_whole
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
+REFUSAL = "refusal"
 Wanted = float | str | tuple[float, float] | Sequence[object]
 
 
@@ -38,16 +40,10 @@ class Sweep:
         Of a grid, those that are not selected away; () for a sample.
     quantities : tuple of Quantity
         What was asked.
-    number : ndarray of int, shape (n,)
-        Numbers of the points that are here, in the plan's order.
-    swept : mapping
-        By key, the n values of the points.
-    columns : mapping
-        By quantity, (n,) in SI units, nan where there is none.
-    lists : mapping
-        By quantity, n arrays of any length.
-    refusals : tuple of str
-        n texts, empty where nothing was refused.
+    table : pandas.DataFrame
+        A row a point, in the plan's order: its `number`, the swept keys, every quantity in SI
+        units (nan where there is none, lists as arrays of any length), and `refusal`, empty where
+        nothing was refused.
     description : mapping
         What the store tells of its plan.
 
@@ -68,15 +64,11 @@ class Sweep:
     keys: tuple[str, ...]
     axes: tuple[SweepAxis, ...]
     quantities: tuple[Quantity, ...]
-    number: NDArray[np.int64]
-    swept: Mapping[str, tuple[object, ...]]
-    columns: Mapping[str, Array]
-    lists: Mapping[str, tuple[Array, ...]]
-    refusals: tuple[str, ...]
-    description: Mapping[str, Any]
+    table: pandas.DataFrame
+    description: Description
 
     def __len__(self) -> int:
-        return len(self.refusals)
+        return len(self.table)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -86,11 +78,11 @@ class Sweep:
     @property
     def refused(self) -> NDArray[np.bool_]:
         """Whether something was refused at each point, (n,)."""
-        return np.array([bool(text) for text in self.refusals], dtype=bool)
+        return np.asarray(self.table[REFUSAL] != "")
 
     def is_numeric(self, key: str) -> bool:
         """Whether the values of a swept key are numbers."""
-        return all(isinstance(value, float) for value in self.swept[key])
+        return all(isinstance(value, float) for value in self.table[key])
 
     def quantity(self, name: str) -> Quantity:
         """The quantity of that name; InvalidInput where it was not asked for."""
@@ -101,13 +93,12 @@ class Sweep:
 
     def values(self, name: str) -> Array:
         """A quantity (SI) or a numeric swept key (in its units), (n,)."""
-        if name in self.columns:
-            return self.columns[name]
-        if name in self.swept:
-            if not self.is_numeric(name):
-                raise InvalidInput(f"{name} is no number: name its values")
-            return np.array(self.swept[name], dtype=float)
-        raise unknown_name("column", name, (*self.columns, *self.swept))
+        numbers = [quantity.name for quantity in self.quantities if not quantity.many]
+        if name not in (*numbers, *self.keys):
+            raise unknown_name("column", name, (*numbers, *self.keys))
+        if name in self.keys and not self.is_numeric(name):
+            raise InvalidInput(f"{name} is no number: name its values")
+        return np.asarray(self.table[name], dtype=float)
 
     def on_grid(self, name: str) -> Array:
         """A quantity in the shape of the axes, nan where a point is refused, chosen away or not yet
@@ -115,9 +106,9 @@ class Sweep:
         """
         if not self.axes:
             raise InvalidInput("a sample has no grid: use values")
-        found = np.full(self.shape, np.nan)
-        found[self.places()] = self.columns[self.quantity(name).name]
-        return found
+        grid = np.full(self.shape, np.nan)
+        grid[self.places()] = self.table[self.quantity(name).name]
+        return grid
 
     def places(self) -> tuple[NDArray[np.int64], ...]:
         """Where each point stands along each axis, (n,) an axis."""
@@ -126,7 +117,7 @@ class Sweep:
             for axis in self.axes
         )
         return tuple(
-            np.array([lookup[json.dumps(value)] for value in self.swept[axis.key]], dtype=np.int64)
+            np.array([lookup[json.dumps(value)] for value in self.table[axis.key]], dtype=np.int64)
             for axis, lookup in zip(self.axes, lookups, strict=True)
         )
 
@@ -150,28 +141,32 @@ class Sweep:
         InvalidInput
             Where a key is not swept or no point has the value.
         """
-        found = self
+        selected = self
         for key, value in wanted.items():
             if key not in self.keys:
                 raise unknown_name("swept key", key, self.keys)
-            matches, single = found._match(key, value)
-            found = found.where(np.array([matches(one) for one in found.swept[key]], dtype=bool))
-            axis = next((axis for axis in found.axes if axis.key == key), None)
+            matches, single = selected._match(key, value)
+            selected = selected.where(
+                np.array([matches(choice) for choice in selected.table[key]], dtype=bool)
+            )
+            axis = next((axis for axis in selected.axes if axis.key == key), None)
             if axis is None:
-                if not len(found):
+                if not len(selected):
                     raise InvalidInput(f"no point has {key}={value}")
                 continue
-            kept = tuple(one for one in axis.values if matches(one))
+            kept = tuple(choice for choice in axis.values if matches(choice))
             if not kept:
-                told = ", ".join(
+                listed = ", ".join(
                     f"{v:.6g}" if isinstance(v, float) else str(v) for v in axis.values[:12]
                 )
                 more = ", ..." if len(axis.values) > 12 else ""
-                raise InvalidInput(f"{key} does not take {value}; its values are {told}{more}")
+                raise InvalidInput(f"{key} does not take {value}; its values are {listed}{more}")
             thinner = [] if single else [replace(axis, values=kept)]
-            place = found.axes.index(axis)
-            found = replace(found, axes=(*found.axes[:place], *thinner, *found.axes[place + 1 :]))
-        return found
+            place = selected.axes.index(axis)
+            selected = replace(
+                selected, axes=(*selected.axes[:place], *thinner, *selected.axes[place + 1 :])
+            )
+        return selected
 
     def where(self, chosen: ArrayLike | Callable[[Sweep], ArrayLike]) -> Sweep:
         """The points for which `chosen` is true: n flags, or a function of the sweep that gives
@@ -182,15 +177,7 @@ class Sweep:
             raise InvalidInput(
                 f"where needs {len(self)} true or false, not {flags.dtype} of shape {flags.shape}"
             )
-        kept = np.flatnonzero(flags).tolist()
-        return replace(
-            self,
-            number=self.number[kept],
-            swept={key: tuple(values[k] for k in kept) for key, values in self.swept.items()},
-            columns={name: values[kept] for name, values in self.columns.items()},
-            lists={name: tuple(values[k] for k in kept) for name, values in self.lists.items()},
-            refusals=tuple(self.refusals[k] for k in kept),
-        )
+        return replace(self, table=self.table[flags].reset_index(drop=True))
 
     def _match(self, key: str, wanted: Wanted) -> tuple[Callable[[object], bool], bool]:
         """Whether a value is wanted, and whether only one value is."""
@@ -249,37 +236,25 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     >>> np.degrees(sweep.values("mean_turn")).round(2).tolist()
     [2.77, 8.0]
     """
+    import pandas
+
     with SweepStore(Path(path), plan) as store:
-        description: dict[str, Any] = store.description
+        description = store.description
         rows = list(store.rows())
-    keys, quantities = (
-        tuple(description["keys"]),
-        tuple(Quantity(**column) for column in description["columns"]),
-    )
+    keys = tuple(description["keys"])
+    quantities = tuple(Quantity(**column) for column in description["columns"])
+    names = [quantity.name for quantity in quantities]
+    table = pandas.DataFrame(rows, columns=["number", *keys, *names, REFUSAL])
+    for quantity in quantities:
+        values = table[quantity.name]
+        if quantity.many:
+            lists = [np.array(entries or (), dtype=float) for entries in values]
+            table[quantity.name] = pandas.Series(lists, dtype=object)
+        else:
+            table[quantity.name] = values.astype(float)
     axes = description["plan"]["points"].get("axes", {})
-    return Sweep(
-        keys=keys,
-        axes=tuple(SweepAxis(key, tuple(values)) for key, values in axes.items()),
-        quantities=quantities,
-        number=np.array([row["number"] for row in rows], dtype=np.int64),
-        swept={key: tuple(row[key] for row in rows) for key in keys},
-        columns={
-            quantity.name: np.array([row[quantity.name] for row in rows], dtype=float)
-            for quantity in quantities
-            if not quantity.many
-        },
-        lists={
-            quantity.name: tuple(np.array(row[quantity.name] or (), dtype=float) for row in rows)
-            for quantity in quantities
-            if quantity.many
-        },
-        refusals=tuple(str(row["refusal"]) for row in rows),
-        description=description,
-    )
-
-
-_KEY_UNITS = {"_deg": "degree", "_mm": "mm", "_kg": "kg"}
-REFUSAL = "refusal"
+    swept = tuple(SweepAxis(key, tuple(values)) for key, values in axes.items())
+    return Sweep(keys, swept, quantities, table, description)
 
 
 def write_csv(sweep: Sweep, path: str | Path) -> None:
@@ -318,24 +293,17 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
     """
     import pandas
 
-    table: dict[str, object] = {
-        "number": sweep.number,
-        **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys},
-    }
-    table |= {
-        one.written_name: one.written(sweep.columns[one.name])
-        for one in sweep.quantities
-        if not one.many
-    }
+    columns: dict[str, object] = {"number": sweep.table["number"]}
+    columns |= {key: sweep.table[key].map(_word) for key in sweep.keys}
+    for quantity in sweep.quantities:
+        if not quantity.many:
+            columns[quantity.written_name] = quantity.written(sweep.table[quantity.name])
     for quantity in sweep.quantities:
         if quantity.many:
-            table |= {
-                f"{quantity.written_name}_{k}": values
-                for k, values in enumerate(_padded(sweep, quantity).T, 1)
-            }
-    text = pandas.DataFrame({**table, REFUSAL: sweep.refusals}).to_csv(
-        index=False, lineterminator="\n"
-    )
+            for place, values in enumerate(_padded(sweep, quantity).T, 1):
+                columns[f"{quantity.written_name}_{place}"] = values
+    table = pandas.DataFrame({**columns, REFUSAL: sweep.table[REFUSAL]})
+    text = table.to_csv(index=False, lineterminator="\n")
     write_whole(Path(path), text.encode())
 
 
@@ -345,10 +313,10 @@ def _word(value: object) -> str:
 
 def _padded(sweep: Sweep, quantity: Quantity) -> Array:
     """The lists of the points as files have them, (n, longest), nan behind their ends."""
-    lists = sweep.lists[quantity.name]
-    rows = np.full((len(lists), max((found.size for found in lists), default=0)), np.nan)
-    for row, found in zip(rows, lists, strict=True):
-        row[: found.size] = found
+    lists = sweep.table[quantity.name]
+    rows = np.full((len(lists), max((row_values.size for row_values in lists), default=0)), np.nan)
+    for row, row_values in zip(rows, lists, strict=True):
+        row[: row_values.size] = row_values
     return quantity.written(rows)
 
 
@@ -393,12 +361,15 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
         attributes = {"units": quantity.written_unit, "long_name": quantity.meaning}
         if not quantity.many:
             values = np.full(shape, np.nan)
-            values[at] = quantity.written(sweep.columns[quantity.name])
+            values[at] = quantity.written(sweep.table[quantity.name])
             variables[quantity.written_name] = (dimensions, values, attributes)
             continue
         rows = _padded(sweep, quantity)
         padded, count = np.full((*shape, rows.shape[-1]), np.nan), np.zeros(shape, dtype=np.int64)
-        padded[at], count[at] = rows, [found.size for found in sweep.lists[quantity.name]]
+        padded[at], count[at] = (
+            rows,
+            [values_there.size for values_there in sweep.table[quantity.name]],
+        )
         about = {
             "units": "1",
             "long_name": f"how many {quantity.many.replace('_', ' ')}s there are",
@@ -406,7 +377,7 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
         variables[quantity.written_name] = ((*dimensions, quantity.many), padded, attributes)
         variables[f"{quantity.many}_count"] = (dimensions, count, about)
     refusal = np.full(shape, "", dtype=object)
-    refusal[at] = np.array(sweep.refusals, dtype=object)
+    refusal[at] = sweep.table[REFUSAL]
     variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})
     return xarray.Dataset(
         variables,
@@ -416,18 +387,19 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
 
 
 def _coordinates(sweep: Sweep) -> dict[str, object]:
-    listed = {axis.key: axis.values for axis in sweep.axes} or sweep.swept
-    found: dict[str, object] = {} if sweep.axes else {"point": (("point",), sweep.number)}
+    listed = {axis.key: axis.values for axis in sweep.axes} or dict(sweep.table[[*sweep.keys]])
+    coordinates: dict[str, object] = (
+        {} if sweep.axes else {"point": (("point",), sweep.table["number"].to_numpy())}
+    )
     for key, values in listed.items():
         numeric = all(isinstance(value, float) for value in values)
         array = (
             np.array(values, dtype=float)
             if numeric
-            else np.array([_word(one) for one in values], dtype=object)
+            else np.array([_word(entry) for entry in values], dtype=object)
         )
-        unit = next((unit for ending, unit in _KEY_UNITS.items() if key.endswith(ending)), "1")
-        found[key] = ((key if sweep.axes else "point",), array, {"units": unit})
-    return found
+        coordinates[key] = ((key if sweep.axes else "point",), array, {"units": key_unit(key)})
+    return coordinates
 
 
 def write_netcdf(sweep: Sweep, path: str | Path) -> None:

@@ -13,14 +13,17 @@ import math
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.sweeps.portrait_numbers import PointOutcome, SweptPoint
 from cyclemap.sweeps.sweep_plan import SweepPlan
 
+# What a store tells of its plan, as JSON.
+Description = dict[str, Any]
 # "cysw": tells a sweep's store from any other SQLite file.
 _APPLICATION = 0x63797377
 _FORMAT = 2
@@ -144,7 +147,7 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._faults_told():
             counts = "SELECT count(*), coalesce(sum(refusal != ''), 0) FROM points"
             stored, refused = self.connection.execute(counts).fetchone()
-        return SweepStatus(int(self.description["count"]), stored, refused)  # type: ignore[call-overload]
+        return SweepStatus(self.description["count"], stored, refused)
 
     def digests(self, first: int, end: int) -> set[str]:
         """The digests of the stored points with numbers from `first` up to, but without, `end`."""
@@ -161,27 +164,27 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._faults_told():
             quoted = ", ".join(f'"{name}"' for name in names)
             for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
-                found = dict(zip(names, row, strict=True))
-                found.update(
+                stored = dict(zip(names, row, strict=True))
+                stored.update(
                     {
-                        name: tuple(json.loads(found[name]))
+                        name: tuple(json.loads(stored[name]))
                         for name in lists
-                        if found[name] is not None
+                        if stored[name] is not None
                     }
                 )
                 # Swept points, as against words.
-                texts = {key: found[key] for key in keys if str(found[key]).startswith("[[")}
-                found.update(
+                texts = {key: stored[key] for key in keys if str(stored[key]).startswith("[[")}
+                stored.update(
                     {key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()}
                 )
-                yield found
+                yield stored
 
-    def add(self, found: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
+    def add(self, outcomes: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
         """Store outcomes, all or none of them; a point that is stored already stays as it is."""
         keys, scalars, lists = self._columns()
         marks = ", ".join("?" * (len(keys) + len(scalars) + len(lists) + 4))
         rows = []
-        for point, outcome in found:
+        for point, outcome in outcomes:
             row: list[object] = [
                 point.digest,
                 point.number,
@@ -204,13 +207,12 @@ class SweepStore(AbstractContextManager["SweepStore"]):
 
     def _columns(self) -> tuple[list[str], list[str], list[str]]:
         """Names of the columns of keys, of numbers, and of lists."""
-        quantities: list[dict[str, str]] = self.description["columns"]  # type: ignore[assignment]
-        keys: list[str] = self.description["keys"]  # type: ignore[assignment]
-        scalars = [quantity["name"] for quantity in quantities if not quantity["many"]]
-        lists = [quantity["name"] for quantity in quantities if quantity["many"]]
-        return list(keys), scalars, lists
+        columns = self.description["columns"]
+        scalars = [column["name"] for column in columns if not column["many"]]
+        lists = [column["name"] for column in columns if column["many"]]
+        return self.description["keys"], scalars, lists
 
-    def _begun(self, plan: SweepPlan | None) -> dict[str, object]:
+    def _begun(self, plan: SweepPlan | None) -> Description:
         """Check the file, or begin a new one; return its description."""
         run = self.connection.execute
         run(f"PRAGMA busy_timeout = {int(1000 * _PATIENCE_SECONDS)}")
@@ -227,17 +229,15 @@ class SweepStore(AbstractContextManager["SweepStore"]):
                 "remove it"
             )
         run("PRAGMA synchronous = FULL")
-        found = [row[0] for row in run("PRAGMA integrity_check")]
-        if found != ["ok"]:
-            raise self._damaged(str(found[0]))
+        checked = [row[0] for row in run("PRAGMA integrity_check")]
+        if checked != ["ok"]:
+            raise self._damaged(str(checked[0]))
         # Damage that leaves SQLite's own structure whole shows in the seals.
         for table in ("sweep", "points"):
             for row in run(f"SELECT * FROM {table}"):
                 if _seal(row[:-1]) != row[-1]:
                     raise self._damaged(f"a row of its table {table} is not as it was written")
-        description: dict[str, object] = json.loads(
-            run("SELECT description FROM sweep").fetchone()[0]
-        )
+        description: Description = json.loads(run("SELECT description FROM sweep").fetchone()[0])
         if plan is not None:
             self._check_same(description, _description(plan))
         self.description = description
@@ -267,9 +267,9 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._transaction():
             if run("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                 return
-            told = (json.dumps(self.description),)
+            row = (json.dumps(self.description),)
             run("CREATE TABLE sweep (description TEXT NOT NULL, seal TEXT NOT NULL)")
-            run("INSERT INTO sweep VALUES (?, ?)", (*told, _seal(told)))
+            run("INSERT INTO sweep VALUES (?, ?)", (*row, _seal(row)))
             run(self._points_table())
             run(f"PRAGMA user_version = {_FORMAT}")
             run(f"PRAGMA application_id = {_APPLICATION}")
@@ -278,9 +278,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with suppress(sqlite3.OperationalError):
             run("PRAGMA journal_mode = WAL")
 
-    def _check_same(self, stored: dict[str, object], wanted: dict[str, object]) -> None:
-        there: dict[str, object] = stored["plan"]  # type: ignore[assignment]
-        plan: dict[str, object] = wanted["plan"]  # type: ignore[assignment]
+    def _check_same(self, stored: Description, wanted: Description) -> None:
+        there, plan = stored["plan"], wanted["plan"]
         other = [name for name in plan if there.get(name) != plan[name]]
         if other == ["code"]:
             raise InvalidInput(
@@ -329,26 +328,18 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             ) from error
 
     def _damaged(self, fault: str) -> DataFileError:
-        told = " ".join(fault.split())
+        words = " ".join(fault.split())
         return DataFileError(
-            f"{self.path}: damaged, or no store of a sweep ({told}); remove it and sweep again"
+            f"{self.path}: damaged, or no store of a sweep ({words}); remove it and sweep again"
         )
 
 
-def _description(plan: SweepPlan) -> dict[str, object]:
+def _description(plan: SweepPlan) -> Description:
     """What the store tells about itself, after a passage through JSON."""
-    columns = [
-        {
-            "name": quantity.name,
-            "unit": quantity.unit,
-            "meaning": quantity.meaning,
-            "many": quantity.many,
-        }
-        for quantity in plan.numbers.quantities
-    ]
-    told = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
-    found: dict[str, object] = json.loads(json.dumps(told))
-    return found
+    columns = [asdict(quantity) for quantity in plan.numbers.quantities]
+    facts = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
+    description: Description = json.loads(json.dumps(facts))
+    return description
 
 
 def _kept(value: object) -> object:

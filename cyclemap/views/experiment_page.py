@@ -3,6 +3,7 @@ beside quasi-static cycles; in sentences, and a page each.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,18 +13,30 @@ from matplotlib.ticker import MultipleLocator
 from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views import style
-from cyclemap.views.object_page import draw_way
+from cyclemap.views.panels.layout import Panel, picture
+from cyclemap.views.panels.scene import draw_way
+from cyclemap.views.panels.style import (
+    FORCE,
+    INK,
+    LINE,
+    PREDICTED,
+    SECOND,
+    ZERO,
+    Look,
+    count_axis,
+    degree_axis,
+    unwrapped_axis,
+)
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, PREDICTED
 
 _MARKERS = "os^vDP*X"
+# On a material, and on its isotropic twin.
+Twins = tuple[DynamicsComparison, DynamicsComparison]
 
 
-@style.picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
-    told = (
+    words = (
         experiment_headline(experiment),
         spread_sentence(experiment),
         isotropic_sentence(experiment),
@@ -32,14 +45,15 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
         f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push "
         "of each batch"
     )
-    title = f"Batches of cycles on {experiment.loop.material.name}"
-    figure, placed = style.page("abc;def", title, told, foot, keys=2)
-    panels = iter(placed)
+    panels: list[Panel] = []
     for run, name in named_runs(experiment):
-        draw_paths(next(panels), run, f"{name}: robot's frame")
-        draw_paths(next(panels), run, f"{name}: object's frame", in_object=True)
-        draw_course(next(panels), run, f"{name}: θ0 over the cycles")
-    return figure
+        panels += [
+            (f"{name}: robot's frame", partial(draw_paths, run=run)),
+            (f"{name}: object's frame", partial(draw_paths, run=run, in_object=True)),
+            (f"{name}: θ0 over the cycles", partial(draw_course, run=run)),
+        ]
+    title = f"Batches of cycles on {experiment.loop.material.name}"
+    return picture("abc;def", panels, title=title, words=words, foot=foot, keys=2)
 
 
 def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
@@ -47,37 +61,43 @@ def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
     return (experiment.anisotropic, "Anisotropic"), (experiment.isotropic, "Isotropic")
 
 
-def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -> None:
+def draw_paths(axes: Axes, run: BatchRun, in_object: bool = False) -> None:
     """Paths of the centre, each batch's last one thick: about the reset's target, or seen from the
     object.
     """
     paths, where = (run.object_path, " in the object's frame") if in_object else (run.path, "")
-    thin: style.Look = {"color": PREDICTED, "linewidth": 0.5, "alpha": 0.45, "label": "pushes"}
     for path in paths.reshape(-1, *paths.shape[2:]):
-        draw_way(axes, path, **thin)
-    thick: style.Look = {"color": FORCE, "linewidth": 1.8, "label": "last of a batch", "zorder": 3}
+        draw_way(axes, path, color=PREDICTED, linewidth=0.5, alpha=0.45, label="pushes")
     for path in paths[:, -1]:
-        draw_way(axes, path, "o-", markevery=[0], markersize=4.0, **thick)
+        draw_way(
+            axes,
+            path,
+            "o-",
+            markevery=[0],
+            markersize=4.0,
+            color=FORCE,
+            linewidth=1.8,
+            label="last of a batch",
+            zorder=3,
+        )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x{where} (mm)", ylabel=f"y{where} (mm)")
-    style.entitle(axes, title)
 
 
-def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
+def draw_course(axes: Axes, run: BatchRun) -> None:
     """θ0 over the cycles, unwrapped, a marker a batch."""
     cycles = run.theta.shape[1] - 1
     for index, theta in enumerate(run.theta):
         every = (index * max(cycles // 30, 1), max(cycles // 8, 1))
-        look: style.Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
+        look: Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
         shade = str(0.65 * index / max(len(run.theta) - 1, 1))
         look |= {"color": shade, "label": f"from {angle(theta[0], 0)}", "clip_on": False}
         axes.plot(np.degrees(theta), linewidth=1.3, markersize=3.5, **look)
-    style.count_axis(axes, "cycle", cycles)
+    count_axis(axes, "cycle", cycles)
     span = float(np.ptp(np.degrees(run.theta)))
     if span > 300.0:
         axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
-    style.unwrapped_axis(axes, "θ0, unwrapped")
-    style.entitle(axes, title)
+    unwrapped_axis(axes, "θ0, unwrapped")
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:
@@ -152,8 +172,8 @@ def length(metres: float) -> str:
     return f"{1e3 * metres:.1f} mm" if metres >= 1e-4 else f"{max(1e6 * metres, 1e-3):.2g} µm"
 
 
-def _count(number: int, noun: str, plural: str = "s") -> str:
-    return f"{number} {noun}{plural * (number != 1)}"
+def _count(count: int, noun: str, plural: str = "s") -> str:
+    return f"{count} {noun}{plural * (count != 1)}"
 
 
 def _path_clause(run: BatchRun) -> str:
@@ -178,37 +198,48 @@ _TURNS = (
 _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 
 
-@style.picture_style()
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
-    title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-    told = [difference_sentence(comparison) for comparison in (material, isotropic)]
+    both = material, isotropic
     foot = (
         "solid, filled: the material; dashed, open: isotropic friction of the same mean "
         "coefficient; both models stand on the same support points"
     )
-    figure, (turns, differences, places) = style.page("abc", title, told, foot, keys=2)
-    for comparison, law, face in ((material, "material", PREDICTED), (isotropic, "isotropic", "w")):
+    panels: list[Panel] = [
+        ("Turn of push and drag", partial(draw_both_turns, both=both)),
+        ("Difference of the turns", partial(draw_turn_differences, both=both)),
+        ("Difference of the displacement", partial(draw_place_differences, both=both)),
+    ]
+    title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
+    words = map(difference_sentence, both)
+    return picture("abc", panels, title=title, words=words, foot=foot, keys=2)
+
+
+def draw_both_turns(axes: Axes, both: Twins) -> None:
+    """Turns of a cycle over θ0 by both models."""
+    for comparison, law, face in zip(
+        both, ("material", "isotropic"), (PREDICTED, "w"), strict=True
+    ):
         theta = np.degrees(comparison.dynamic.theta)
         still = np.degrees(comparison.quasi_static.theta_next) - theta
-        line = style.SECOND if law == "isotropic" else style.LINE
+        line = SECOND if law == "isotropic" else LINE
         # A curve through one orientation needs a marker, over the dot, to be seen.
         marker = "x" if theta.size == 1 else None
-        turns.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
-        dots: style.Look = {
-            "markerfacecolor": face,
-            "markersize": 4.5,
-            "zorder": 3 if marker else 5,
-        }
+        axes.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
         moved = np.degrees(comparison.dynamic.theta_next) - theta
-        turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", **dots)
-    style.degree_axis(turns, every=60)
-    turns.set_ylabel("turn of a cycle (°)")
-    style.entitle(turns, "Turn of push and drag")
-    draw_turn_differences(differences, material, isotropic)
-    draw_place_differences(places, material, isotropic)
-    return figure
+        axes.plot(
+            theta,
+            moved,
+            "o",
+            color=PREDICTED,
+            label=f"{law}, dynamic",
+            markerfacecolor=face,
+            markersize=4.5,
+            zorder=3 if marker else 5,
+        )
+    degree_axis(axes, every=60)
+    axes.set_ylabel("turn of a cycle (°)")
 
 
 def difference_sentence(comparison: DynamicsComparison) -> str:
@@ -229,37 +260,33 @@ def largest(difference: Array) -> float:
     return float(np.abs(difference).max())
 
 
-def draw_turn_differences(
-    axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
-) -> None:
-    """Dynamic less quasi-static turns over θ0."""
+def draw_turn_differences(axes: Axes, both: Twins) -> None:
+    """Dynamic less quasi-static turns over θ0, on a material and on isotropic friction."""
     curves = [
-        (look, [np.degrees(comparison.difference(name)) for comparison in (material, isotropic)])
+        ([np.degrees(comparison.difference(name)) for comparison in both], look)
         for name, *look in _TURNS
     ]
-    _draw_differences(axes, material.dynamic.theta, curves, "°", "turns")
+    _draw_differences(axes, both, curves, "°")
 
 
-def draw_place_differences(
-    axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
-) -> None:
+def draw_place_differences(axes: Axes, both: Twins) -> None:
     """Dynamic less quasi-static displacements of the push over θ0."""
-    off = [1e3 * comparison.difference("push_displacement") for comparison in (material, isotropic)]
-    curves = [(look, [values[..., column] for values in off]) for column, *look in _PLACES]
-    _draw_differences(axes, material.dynamic.theta, curves, "mm", "displacement")
+    off = [1e3 * comparison.difference("push_displacement") for comparison in both]
+    curves = [([values[..., column] for values in off], look) for column, *look in _PLACES]
+    _draw_differences(axes, both, curves, "mm")
 
 
 def _draw_differences(
-    axes: Axes, theta: Array, curves: list[tuple[list[str], list[Array]]], unit: str, what: str
+    axes: Axes, both: Twins, curves: list[tuple[list[Array], list[str]]], unit: str
 ) -> None:
-    """Label, colour and marker of each quantity: on the material solid and filled, on isotropic
-    friction open.
+    """Values on a material, solid and filled, and on isotropic friction, open, of each quantity;
+    with its label, colour and marker.
     """
-    axes.axhline(0.0, **style.ZERO)
-    for (label, colour, marker), (filled, hollow) in curves:
-        look: style.Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
-        axes.plot(np.degrees(theta), filled, label=label, **look)
-        axes.plot(np.degrees(theta), hollow, "--", markerfacecolor="white", **look)
-    style.degree_axis(axes, every=60)
+    axes.axhline(0.0, **ZERO)
+    theta = np.degrees(both[0].dynamic.theta)
+    for (filled, hollow), (label, colour, marker) in curves:
+        look: Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
+        axes.plot(theta, filled, label=label, **look)
+        axes.plot(theta, hollow, "--", markerfacecolor="white", **look)
+    degree_axis(axes, every=60)
     axes.set_ylabel(f"dynamic − quasi-static ({unit})")
-    style.entitle(axes, f"Difference of the {what}")

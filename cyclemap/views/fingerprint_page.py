@@ -3,6 +3,7 @@ one beside it.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,17 +14,17 @@ from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
-from cyclemap.views import map_panels, style
-from cyclemap.views.map_panels import CIRCLE
-from cyclemap.views.sentences import angle
-from cyclemap.views.style import LINE, MEASURED, SECOND
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import Panel, picture
+from cyclemap.views.panels.orientation import CIRCLE
+from cyclemap.views.panels.style import BAND, LINE, MEASURED, SECOND
+from cyclemap.views.sentences import angle, rounded
 
 ANYWHERE = math.radians(90.0)
 
 
-@style.picture_style()
 def fingerprint_page(
-    found: Fingerprint,
+    fingerprint: Fingerprint,
     prediction: Prediction | None = None,
     checked: PredictionCheck | None = None,
     name: str = "",
@@ -32,39 +33,42 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    title, told = "Fingerprint of the protocol", [protocol_sentence(found)]
+    title, words = "Fingerprint of the protocol", [protocol_sentence(fingerprint)]
+    panels: list[Panel] = [
+        (
+            f"Answer to 1 % of {what}",
+            partial(draw_responses, fingerprint=fingerprint, ellipse=ellipse),
+        )
+        for what, ellipse in (("offset", False), ("ellipticity", True))
+    ]
     if prediction is not None:
         title = f"{title}, on {name}"
-        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
-        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+        words += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+        words += [lock_in_sentence(prediction), trust_sentence(prediction)]
+        full = None if checked is None else checked.map
+        turn = partial(draw_prediction, prediction=prediction, full=full)
+        panels.append(("Turn of one cycle", turn))
     if checked is not None:
-        told.append(check_sentence(checked))
+        words.append(check_sentence(checked))
     symbols = ("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃")
-    numbers = zip(symbols, seven_numbers(found.cycle), strict=True)
+    numbers = zip(symbols, seven_numbers(fingerprint.cycle), strict=True)
     written = "   ".join(f"{symbol} {value}°" for symbol, value in numbers)
     foot = f"{written}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
     layout = "a;b" if prediction is None else "acc;bcc"
-    figure, (offset, ellipse, *turn) = style.page(layout, title, told, foot)
-    draw_responses(offset, found, ellipse=False)
-    draw_responses(ellipse, found, ellipse=True)
-    if prediction is not None:
-        draw_prediction(turn[0], prediction, None if checked is None else checked.map)
-        style.entitle(turn[0], "Turn of one cycle")
-    return figure
+    return picture(layout, panels, title=title, words=words, foot=foot)
 
 
-def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
+def draw_responses(axes: Axes, fingerprint: Fingerprint, ellipse: bool) -> None:
     """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the
     orientation.
     """
-    parts = {"cycle": found.cycle, "drag": found.drag, "push": found.push}
+    parts = {"cycle": fingerprint.cycle, "drag": fingerprint.drag, "push": fingerprint.push}
     answers = {name: _response(response, ellipse) for name, response in parts.items()}
-    map_panels.draw_turns(axes, CIRCLE, answers)
+    orientation.draw_turns(axes, CIRCLE, answers)
     seen = (
         "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
     )
     axes.set(xlabel=f"orientation {seen}", ylabel="change of turn (°)")
-    style.entitle(axes, f"Answer to 1 % of {'ellipticity' if ellipse else 'offset'}")
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
@@ -73,13 +77,14 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
     """
     turn, error = prediction.turn(CIRCLE), prediction.turn_error(CIRCLE)
     if full is not None:
-        look = {"color": MEASURED, "linewidth": 3.0, "zorder": 3}
-        map_panels.draw_turn(axes, turn_curve(full), "full map", **look)
+        orientation.draw_turn(
+            axes, turn_curve(full), "full map", color=MEASURED, linewidth=3.0, zorder=3
+        )
     ends = np.degrees([turn - error, turn + error])
-    axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **style.BAND)
+    axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **BAND)
     turns = {"first order": turn, "second order": prediction.second_order_turn(CIRCLE)}
-    map_panels.draw_turns(axes, CIRCLE, turns, (LINE, SECOND))
-    map_panels.mark_fixed_points(axes, [direction.orbit for direction in prediction.directions])
+    orientation.draw_turns(axes, CIRCLE, turns, (LINE, SECOND))
+    orientation.mark_fixed_points(axes, [direction.orbit for direction in prediction.directions])
 
 
 def _response(response: TurnResponse, ellipse: bool) -> Array:
@@ -92,17 +97,20 @@ def _response(response: TurnResponse, ellipse: bool) -> Array:
 def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
     """Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃ in degrees, as text with three decimals."""
     harmonics = [
-        f"{part}_{number}"
-        for part in ("offset", "ellipse", "bow")
-        for number in ("amplitude", "phase")
+        f"{cause}_{measure}"
+        for cause in ("offset", "ellipse", "bow")
+        for measure in ("amplitude", "phase")
     ]
     names = ("turn", *harmonics)
-    return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
+    return tuple(rounded(math.degrees(getattr(response, name)), 3) for name in names)
 
 
-def protocol_sentence(found: Fingerprint) -> str:
+def protocol_sentence(fingerprint: Fingerprint) -> str:
     """What the protocol does, in a sentence."""
-    whole, parts = found.cycle, f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
+    whole, parts = (
+        fingerprint.cycle,
+        f"push {angle(fingerprint.push.turn)}, drag {angle(fingerprint.drag.turn)}",
+    )
     offset, ellipse = (
         angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude)
     )
@@ -114,12 +122,12 @@ def protocol_sentence(found: Fingerprint) -> str:
     )
 
 
-def bow_sentence(found: Fingerprint, bow: float) -> str:
+def bow_sentence(fingerprint: Fingerprint, bow: float) -> str:
     """What stands instead of a prediction where the floor has a bow."""
     return (
         f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by "
-        f"up to {angle(bow * found.cycle.bow_amplitude, 1)}. No direction is predicted from that; "
-        "portrait computes the map."
+        f"up to {angle(bow * fingerprint.cycle.bow_amplitude, 1)}. No direction is predicted from "
+        "that; portrait computes the map."
     )
 
 
@@ -151,7 +159,7 @@ def direction_sentence(prediction: Prediction, material: str) -> str:
             )
             places.append(
                 f"{angle(direction.theta)} {width} (multiplier "
-                f"{_signed(direction.orbit.multiplier)}{second})"
+                f"{rounded(direction.orbit.multiplier, 3)}{second})"
             )
         return (
             f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
@@ -203,7 +211,7 @@ def check_sentence(checked: PredictionCheck) -> str:
     if not checked.stable_points:
         return "The full map has no stable direction."
     places = [
-        f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})"
+        f"{angle(orbit.points[0])} (multiplier {rounded(orbit.multiplier, 3)})"
         for orbit in checked.stable_points
     ]
     misses = [
@@ -215,10 +223,6 @@ def check_sentence(checked: PredictionCheck) -> str:
         if direction.predicted.stable
     ]
     return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
-
-
-def _signed(value: float) -> str:
-    return f"{value:.3f}".replace("-", "−")
 
 
 def _doubt(prediction: Prediction, verdict: str) -> str:

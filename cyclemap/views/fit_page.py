@@ -18,9 +18,9 @@ from cyclemap.evidence.laws.measured_cycle_map import (
     WornForecast,
 )
 from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
-from cyclemap.views import style
-from cyclemap.views.map_panels import (
+from cyclemap.evidence.laws.turn_bins import AngleHistogram, covered_arcs, is_covered
+from cyclemap.views.panels.layout import Panel, draw_panels, page, rows_of
+from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
     draw_law,
@@ -30,22 +30,32 @@ from cyclemap.views.map_panels import (
     keep_to,
     turn_axes,
 )
-from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
-from cyclemap.views.staircase_panels import draw_pace, draw_staircase
-from cyclemap.views.style import LINE, SECOND
+from cyclemap.views.panels.staircase import draw_pace, draw_staircase
+from cyclemap.views.panels.style import (
+    BAND,
+    BARS,
+    LINE,
+    SECOND,
+    Look,
+    orbit_marker,
+    picture_style,
+    say,
+    stability,
+)
+from cyclemap.views.sentences import angle, listed, multiplier_sentence, number, rounded
 
-LATE_BAND: style.Look = {**style.BAND, "color": "#cfcfcf", "alpha": 0.75}
+LATE_BAND: Look = {**BAND, "color": "#cfcfcf", "alpha": 0.75}
 
 
-@style.picture_style()
+@picture_style()
 def fit_page(fit: SetFit) -> Figure:
     """Draw what was fitted to a set: a row of its pushes, a row of its cycle map, or as much of
     them as there is.
 
     Raises InvalidInput where nothing was fitted.
     """
-    laws = [law for law in fit.laws.laws if law.law is not None]
-    pushes: list[style.Panel] = [
+    laws = [law for law in fit.laws if law.law is not None]
+    pushes: list[Panel] = [
         (OUTCOMES[law.quantity][0], partial(draw_motion_law, law=law)) for law in laws
     ]
     if fit.histogram is not None:
@@ -53,7 +63,7 @@ def fit_page(fit: SetFit) -> Figure:
     rows = [row for row in (pushes, _cycle_panels(fit.cycle_map)) if row]
     if not rows:
         raise InvalidInput(
-            f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}"
+            f"nothing was fitted to {fit.pushes.name}: {fit.law_problem or fit.map_problem}"
         )
     foot = (
         "laws are Fourier series of θ0, their order by cross-validation over blocks of "
@@ -63,18 +73,18 @@ def fit_page(fit: SetFit) -> Figure:
     if len(rows) == 1 and len(rows[0]) > 2:
         half = (len(rows[0]) + 1) // 2
         rows = [rows[0][:half], rows[0][half:]]
-    layout, words = style.rows_of(*map(len, rows)), set_sentences(fit)
-    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
-    style.draw_panels(placed, [panel for row in rows for panel in row])
+    layout, words = rows_of(*map(len, rows)), set_sentences(fit)
+    figure, placed = page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
+    draw_panels(placed, [panel for row in rows for panel in row])
     return figure
 
 
-def _cycle_panels(found: MeasuredCycleMap | None) -> list[style.Panel]:
+def _cycle_panels(measured: MeasuredCycleMap | None) -> list[Panel]:
     """What is drawn of a measured cycle map."""
-    if found is None:
+    if measured is None:
         return []
-    panels: list[style.Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
-    if (forecast := found.forecast) is not None:
+    panels: list[Panel] = [("Cycle map", partial(draw_worn_turns, measured=measured))]
+    if (forecast := measured.forecast) is not None:
         histograms = forecast.measured_histogram, forecast.histogram
         panels.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
         panels.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
@@ -87,26 +97,26 @@ def draw_motion_law(axes: Axes, law: MotionLaw) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
     draw_outcome(axes, law.theta, law.value, law.quantity)
     if law.law is None:
-        style.say(axes, "no law")
+        say(axes, "no law")
     else:
         ends = draw_law(axes, law.law, law.quantity, is_covered(law.theta, CIRCLE))
         keep_to(axes, OUTCOMES[law.quantity][2] * law.value, *ends)
 
 
-def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
+def draw_worn_turns(axes: Axes, measured: MeasuredCycleMap) -> None:
     """The measured turns of the cycle, and the fitted map's: early and late where it wears."""
-    turns, worn = np.degrees(found.pairs.turn), found.fitted.wear
+    turns, worn = np.degrees(measured.pairs.turn), measured.fitted.wear
     turn_axes(axes)
-    draw_measured(axes, found.pairs.theta, turns)
-    covered = is_covered(found.pairs.theta, CIRCLE)
+    draw_measured(axes, measured.pairs.theta, turns)
+    covered = is_covered(measured.pairs.theta, CIRCLE)
     ends: list[float] = []
-    states = ((found.early, LINE, style.BAND), (found.late, SECOND, LATE_BAND))
-    for state, look, band in states if found.wears else states[:1]:
-        law = found.fitted.law if worn is None else worn.at(state.cycle)
-        name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
+    states = ((measured.early, LINE, BAND), (measured.late, SECOND, LATE_BAND))
+    for state, look, band in states if measured.wears else states[:1]:
+        law = measured.fitted.law if worn is None else worn.at(state.cycle)
+        name = f"push {state.cycle:.0f}" if measured.wears else "fitted map"
         ends += draw_law(axes, law, "dtheta", covered, name, look, band)
         for orbit in state.fixed_points:
-            marker = style.orbit_marker(style.stability(orbit))
+            marker = orbit_marker(stability(orbit))
             axes.plot(np.degrees(orbit.points[0]), 0.0, **marker)
     keep_to(axes, turns, min(ends), max(ends))
 
@@ -114,14 +124,14 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    axes.stairs(histogram.measured, edges, fill=True, label="measured", **style.BARS)
+    axes.stairs(histogram.measured, edges, fill=True, label="measured", **BARS)
     axes.stairs(histogram.predicted, edges, label="law with scatter", **LINE)
     # A law alone piles up where it is flat: columns that run out of the panel are told by their
     # height.
     top = float(max(np.max(histogram.measured), np.max(histogram.predicted)))
     alone = float(np.max(histogram.law_alone))
-    told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
-    axes.stairs(histogram.law_alone, edges, label=told, **{**SECOND, "linewidth": 0.9})
+    label = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
+    axes.stairs(histogram.law_alone, edges, label=label, **{**SECOND, "linewidth": 0.9})
     axes.set(xlabel=OUTCOMES["dtheta"][1], ylabel="pushes")
     axes.set_ylim(0.0, 1.08 * min(max(top, alone), 1.5 * top))
 
@@ -141,14 +151,15 @@ LITTLE = 0.05
 def set_sentences(fit: SetFit) -> list[str]:
     """All that is to be said of a set, in order."""
     said = [count_sentence(fit)]
-    said += [law_sentence(law) for law in fit.laws.laws if law.law is not None]
-    if (found := fit.histogram) is not None:
-        chance = f"chance alone makes up to {_share(found.chance_total_variation)}"
+    said += [law_sentence(law) for law in fit.laws if law.law is not None]
+    if (histogram := fit.histogram) is not None:
+        chance = f"chance alone makes up to {_share(histogram.chance_total_variation)}"
         said.append(
             "The histogram of Δθ that the law predicts with its scatter has "
-            f"{_share(found.total_variation)} of the pushes in other bins than measured "
-            f"({chance}), {angle(found.distance, 2)} away on average; without scatter "
-            f"{_share(found.law_alone_total_variation)}, {angle(found.law_alone_distance, 2)}."
+            f"{_share(histogram.total_variation)} of the pushes in other bins than measured "
+            f"({chance}), {angle(histogram.distance, 2)} away on average; without scatter "
+            f"{_share(histogram.law_alone_total_variation)}, "
+            f"{angle(histogram.law_alone_distance, 2)}."
         )
     if fit.cycle_map is None:
         return [*said, f"No cycle map: {fit.map_problem}."]
@@ -163,15 +174,17 @@ def count_sentence(fit: SetFit) -> str:
     left = {} if pushes.pairs is None else pushes.pairs.dropped
     reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
     dropped = f" ({reasons})" if reasons else ""
-    told, arcs = (
+    counted, arcs = (
         f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.",
         covered_arcs(pushes.theta),
     )
     if arcs == ((0.0, 2 * np.pi),):
-        return told
+        return counted
     size = angle(sum(high - low for low, high in arcs), 0)
     where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
-    return f"{told} θ0 covers {size} of the circle ({listed(where)}); nothing is said of the rest."
+    return (
+        f"{counted} θ0 covers {size} of the circle ({listed(where)}); nothing is said of the rest."
+    )
 
 
 def law_sentence(law: MotionLaw) -> str:
@@ -191,15 +204,14 @@ def law_sentence(law: MotionLaw) -> str:
 
 def amount(law: MotionLaw, value: float) -> str:
     """A value of the law's quantity in degrees or millimetres."""
-    if law.quantity == "dtheta":
-        return angle(value, 2)
-    return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
+    _, _, scale, unit = OUTCOMES[law.quantity]
+    return f"{rounded(scale * value, 2)}{unit}"
 
 
-def map_sentences(found: MeasuredCycleMap) -> list[str]:
+def map_sentences(cycle_map: MeasuredCycleMap) -> list[str]:
     """The cycle map: its law, where it holds or is slow, and what it foretells."""
-    said, forecast = [order_sentence(found), place_sentence(found)], found.forecast
-    if forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
+    said, forecast = [order_sentence(cycle_map), place_sentence(cycle_map)], cycle_map.forecast
+    if forecast is None and (cycle_map.pairs.path is None or cycle_map.pairs.cycle is None):
         return [*said, "The order of the pushes is unknown: no wear, no staircase."]
     if forecast is None:
         return [
@@ -220,11 +232,11 @@ def map_sentences(found: MeasuredCycleMap) -> list[str]:
             number(value[end]) if math.isfinite(value[end]) else "longer than followed"
             for value in (pace.predicted, pace.lower, pace.upper)
         )
-        told = (
+        pace_words = (
             f"the {name} full turn took {pace.measured[end]:.0f} pushes, predicted {middle} "
             f"({' to '.join(ends)})"
         )
-        steps.append(told)
+        steps.append(pace_words)
     share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
     said.append(
         f"Of the steps, {'; '.join(steps)}; {share}." if steps else "No full turn was measured."
@@ -239,22 +251,22 @@ def map_sentences(found: MeasuredCycleMap) -> list[str]:
     return [*said, f"{most}; the histograms are {apart}."]
 
 
-def order_sentence(found: MeasuredCycleMap) -> str:
+def order_sentence(measured: MeasuredCycleMap) -> str:
     """The order, wear and scatter of the cycle map."""
-    worn, few = found.fitted.wear, f"{FEWEST_FOR_WEAR} cycles or more would tell"
-    law = found.fitted.law if worn is None else worn.whole
+    worn, few = measured.fitted.wear, f"{FEWEST_FOR_WEAR} cycles or more would tell"
+    law = measured.fitted.law if worn is None else worn.whole
     wear = (
         ""
         if worn is None
         else f", wearing with degree {worn.degree}"
-        if found.wears
+        if measured.wears
         else ", no wear seen"
     )
-    if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
+    if worn is not None and measured.pairs.theta.size < FEWEST_FOR_WEAR:
         wear = f", wear unknown ({few})"
     quiet, loud = (
         f"{angle(place.scatter, 2)} at {angle(place.theta, 0)}"
-        for place in (found.quietest, found.loudest)
+        for place in (measured.quietest, measured.loudest)
     )
     scatter = f"scatter {angle(law.sigma, 2)}" + (
         "" if law.log_variance.size == 1 else f", from {quiet} to {loud}"
@@ -265,21 +277,21 @@ def order_sentence(found: MeasuredCycleMap) -> str:
     )
     tail = alike if law.lag_correlation > ALIKE else ""
     # Whether cross-validation took the largest order it was offered.
-    tried = found.fitted.wear or found.fitted.law
+    tried = measured.fitted.wear or measured.fitted.law
     most = (
         tried.rmse_by_order is not None and 1 < tried.rmse_by_order.shape[-1] == tried.harmonics + 1
     )
     order = f"{law.harmonics} harmonics{' (the most tried)' if most else ''}"
-    return f"Cycle map of {found.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
+    return f"Cycle map of {measured.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
 
 
-def place_sentence(found: MeasuredCycleMap) -> str:
+def place_sentence(measured: MeasuredCycleMap) -> str:
     """Where the map holds or is slow, early and late."""
-    if not found.wears:
-        told = _places(found.late)
-        return f"{told[0].upper()}{told[1:]}."
-    early, late = (f"push {state.cycle:.0f}" for state in (found.early, found.late))
-    return f"At {early} {_places(found.early)}. At {late} {_places(found.late)}."
+    if not measured.wears:
+        places = _places(measured.late)
+        return f"{places[0].upper()}{places[1:]}."
+    early, late = (f"push {state.cycle:.0f}" for state in (measured.early, measured.late))
+    return f"At {early} {_places(measured.early)}. At {late} {_places(measured.late)}."
 
 
 def _peak(histogram: AngleHistogram) -> str:
@@ -302,11 +314,12 @@ def _places(state: MapState) -> str:
         f"{angle(place.theta)}, where a cycle turns by {_interval(place)}"
         for place in state.undecided
     ]
-    told = [f"it has {listed(has)}"] if has else []
-    told += [f"it cannot be told whether θ0 rests or passes at {listed(open_)}"] if open_ else []
+    clauses = [f"it has {listed(has)}"] if has else []
+    clauses += [f"it cannot be told whether θ0 rests or passes at {listed(open_)}"] if open_ else []
     slowest = f"{angle(state.slowest.theta)}, a cycle turns by {_interval(state.slowest)}"
     return (
-        "; ".join(told) or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
+        "; ".join(clauses)
+        or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
     )
 
 

@@ -19,14 +19,25 @@ from cyclemap.evidence.identified_material import (
     Derived,
     IdentifiedCurves,
     StrokeFit,
-    misfit_words,
-    readable_kind,
-    readable_unit,
 )
+from cyclemap.evidence.identified_words import misfit_words, readable_kind, readable_unit
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.views import map_panels, style
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import Panel, draw_panels, entitle, page, rows_of
+from cyclemap.views.panels.style import (
+    DOTS,
+    INK,
+    LINE,
+    LINES,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    SECOND,
+    ZERO,
+    cross,
+    picture_style,
+)
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET, SECOND
 
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
@@ -40,18 +51,18 @@ WORSE = 1.01
 ROUND = 1.001
 
 
-@style.picture_style()
+@picture_style()
 def identify_page(
-    title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]
+    title: str, identified: Identification, curves: IdentifiedCurves, words: Sequence[str]
 ) -> Figure:
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the
     page takes.
     """
-    panels: list[style.Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
-    if len(found.plates) > 1:
-        panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
-    if len(found.floors) > 1:
-        floors = {session or "mean": shape for session, shape in found.floors.items()}
+    panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
+    if len(identified.plates) > 1:
+        panels.append(("Shapes of plates", partial(draw_shapes, shapes=identified.plates)))
+    if len(identified.floors) > 1:
+        floors = {session or "mean": shape for session, shape in identified.floors.items()}
         panels.append(("Shapes of the floor", partial(draw_shapes, shapes=floors)))
 
     def named(fit: CycleFit | StrokeFit, what: str) -> str:
@@ -69,20 +80,22 @@ def identify_page(
     count = min(len(panels), MOST_PANELS) + 1
     columns = count if count <= 3 else 2 if count == 4 else 3
     rows = [columns] * (count // columns) + [count % columns] * (count % columns > 0)
-    layout = style.rows_of(*rows)
-    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
+    layout = rows_of(*rows)
+    figure, placed = page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
     intervals = placed.pop(columns - 1)
-    _draw_intervals(intervals, found)
-    style.draw_panels(placed, panels)
+    _draw_intervals(intervals, identified)
+    draw_panels(placed, panels)
     return figure
 
 
-def _draw_intervals(place: Axes, found: Identification) -> None:
+def _draw_intervals(place: Axes, identified: Identification) -> None:
     """The intervals of the parameters one above the other, in the place of a panel."""
-    shared = tuple(estimate for estimate in found.lasting if "[" not in estimate.name)
-    estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
-    whose = "" if len(estimates) == len(found.lasting) else " of all plates"
-    style.entitle(place, f"Parameters{whose}, with {100.0 * found.level:g} % intervals")
+    shared = tuple(estimate for estimate in identified.lasting if "[" not in estimate.name)
+    estimates = (
+        identified.lasting if len(identified.lasting) <= MOST_INTERVALS or not shared else shared
+    )
+    whose = "" if len(estimates) == len(identified.lasting) else " of all plates"
+    entitle(place, f"Parameters{whose}, with {100.0 * identified.level:g} % intervals")
     place.axis("off")
     for row, estimate in enumerate(estimates):
         bottom = 1.0 - (row + 0.7) / len(estimates)
@@ -108,10 +121,10 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
 def draw_ellipses(axes: Axes, ellipses: Mapping[str, Array], measured: Array | None) -> None:
     """Limit ellipses (n, 2) about the origin by name, and forces (m, 2) that scans measured."""
     if measured is not None:
-        axes.plot(*measured.T, label="friction scans", **style.DOTS)
-    for (name, ellipse), look in zip(ellipses.items(), style.LINES, strict=False):
+        axes.plot(*measured.T, label="friction scans", **DOTS)
+    for (name, ellipse), look in zip(ellipses.items(), LINES, strict=False):
         axes.plot(*ellipse.T, label=name, **look)
-    style.cross(axes)
+    cross(axes)
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
@@ -123,7 +136,7 @@ def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
     heights = np.arange(len(names))
     axes.hlines(heights, dome - bow, dome + bow, color=PREDICTED, linewidth=3.0)
     axes.plot(dome, heights, "o", color=INK, markersize=4)
-    axes.axvline(0.0, **style.ZERO)
+    axes.axvline(0.0, **ZERO)
     axes.set_yticks(heights, names, fontsize=7)
     axes.set(xlabel="bends across to along its axis (kPa at 50 mm)", ylim=(-0.6, len(names) - 0.4))
 
@@ -131,7 +144,7 @@ def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
 def draw_stroke_turns(axes: Axes, fit: StrokeFit) -> None:
     """Predicted over measured turns of strokes."""
     measured, predicted = np.degrees([fit.measured, fit.predicted])
-    map_panels.draw_agreement(axes, measured, predicted, "turn (°)", "strokes")
+    orientation.draw_agreement(axes, measured, predicted, "turn (°)", "strokes")
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
@@ -139,21 +152,21 @@ def draw_places(axes: Axes, errors: Array) -> None:
     within."""
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
-    axes.plot(x, y, label="pushes", **style.DOTS)
-    around = half * np.stack([np.cos(map_panels.CIRCLE), np.sin(map_panels.CIRCLE)])
-    axes.plot(*around, label=f"half within {half:.2g} mm", **style.LINE)
-    style.cross(axes)
+    axes.plot(x, y, label="pushes", **DOTS)
+    around = half * np.stack([np.cos(orientation.CIRCLE), np.sin(orientation.CIRCLE)])
+    axes.plot(*around, label=f"half within {half:.2g} mm", **LINE)
+    cross(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
 
 
 def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     """Measured turns of cycles over θ0, and the fitted map's."""
-    map_panels.draw_measured(axes, fit.theta, np.degrees(fit.turn))
+    orientation.draw_measured(axes, fit.theta, np.degrees(fit.turn))
     turns = {"identified": fit.fitted}
     if fit.late is not None:
         turns = {"at the start": fit.fitted, "at the end": fit.late}
-    map_panels.draw_turns(axes, fit.grid, turns)
+    orientation.draw_turns(axes, fit.grid, turns)
 
 
 def draw_interval(axes: Axes, estimate: Estimate) -> None:
@@ -189,16 +202,16 @@ def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> st
     held : the friction where the data were not asked about its shape.
     """
     known = {quantity.name: quantity for quantity in derived}
-    told = []
+    clauses = []
     if "axis_ratio" in known:
         way = _way(known.get("axis_direction"), " (longer along {})")
-        told.append(f"axes {_size(known['axis_ratio'], 1.0, 2)} : 1{way}")
+        clauses.append(f"axes {_size(known['axis_ratio'], 1.0, 2)} : 1{way}")
     if "offset_size" in known:
         way = _way(known.get("offset_direction"), " towards {}")
-        told.append(f"centre {_size(known['offset_size'], 100.0, 1)} % off{way}")
+        clauses.append(f"centre {_size(known['offset_size'], 100.0, 1)} % off{way}")
     if "mean_friction" in known:
-        told.append(f"mean friction {_size(known['mean_friction'], 1.0, 3)}")
-    words = [f"friction ellipse with {', '.join(told)}"] if told else []
+        clauses.append(f"mean friction {_size(known['mean_friction'], 1.0, 3)}")
+    words = [f"friction ellipse with {', '.join(clauses)}"] if clauses else []
     if "axis_ratio" not in known and "offset_size" not in known:
         words.append(_held_words(held))
     if "floor_bow" in known:
@@ -231,17 +244,17 @@ def _held_words(held: EllipseFriction) -> str:
     return f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"
 
 
-def note_sentences(found: Identification) -> list[str]:
+def note_sentences(identified: Identification) -> list[str]:
     """What qualifies the result."""
-    return [*worse_than_isotropic(found), *(f"note: {note}" for note in found.notes)]
+    return [*worse_than_isotropic(identified), *(f"note: {note}" for note in identified.notes)]
 
 
-def worse_than_isotropic(found: Identification) -> list[str]:
+def worse_than_isotropic(identified: Identification) -> list[str]:
     """Which data the identified surface predicts worse than isotropic friction does, by 1 %; left
     out where it was.
     """
     worse = []
-    for error in found.errors:
+    for error in identified.errors:
         mean = error.left_out_mean if error.left_out_mean == error.left_out_mean else error.mean
         if mean > WORSE * error.isotropic_mean:
             kind, unit = readable_kind(error.kind)
@@ -252,13 +265,13 @@ def worse_than_isotropic(found: Identification) -> list[str]:
     return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
 
 
-def page_sentences(found: Identification) -> list[str]:
+def page_sentences(identified: Identification) -> list[str]:
     """What is written on the page: how far predictions lie from the data, and what they predict
     worse.
     """
-    errors = f"Predictions lie from the data by {misfit_words(found)}."
+    errors = f"Predictions lie from the data by {misfit_words(identified)}."
     return [
-        f"Ranges are intervals of {100.0 * found.level:g} %.",
+        f"Ranges are intervals of {100.0 * identified.level:g} %.",
         errors,
-        *worse_than_isotropic(found),
+        *worse_than_isotropic(identified),
     ]

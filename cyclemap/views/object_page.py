@@ -1,38 +1,48 @@
-"""The object with its push and its ring, and a cycle's push and drag,
-drawn to scale in the plane."""
+"""An object that is set up, and a plan of pushes to print: each to scale on one page, and in
+sentences.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
-from matplotlib.ticker import MaxNLocator
 
-from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene, StrokeScene
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
+from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
+from cyclemap.evidence.push_plan.plan_pushes import PushPlan
+from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
-from cyclemap.views import style
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, Look
+from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.scene import (
+    LATER,
+    MM,
+    draw_object,
+    draw_ring,
+    draw_setup,
+    draw_way,
+    mark_target,
+)
+from cyclemap.views.panels.style import (
+    FORCE,
+    MEASURED_EDGE,
+    PREDICTED,
+    arrow,
+    name_tag,
+    picture_style,
+    say,
+    square_window,
+)
+from cyclemap.views.sentences import angle, chance, uncertainty_sentence
 
-MM = 1000.0
-# More sides than this are those of a curve, whose numbers nobody needs.
-_MOST_NUMBERS = 24
-RING_RADIUS_MM = 7.0
-# The longest arrow as a share of the window.
-LONGEST_ARROW = 0.13
-# An object as it lies, and where it is later or was before.
-LYING: Look = {"facecolor": PREDICTED_FILL, "edgecolor": PREDICTED, "linewidth": 1.6, "zorder": 2}
-LATER: Look = {"facecolor": "none", "edgecolor": QUIET, "linewidth": 1.1, "linestyle": "--"}
 
-
-@style.picture_style()
+@picture_style()
 def object_page(checked: CheckedCollection) -> Figure:
     """Draw the set-up in the object's frame, one cycle in the world, and what the check found below
     them.
@@ -44,80 +54,11 @@ def object_page(checked: CheckedCollection) -> Figure:
     ]
     title = f"{'Collection' if loop is None else loop.slider.name}, to scale"
     size = (11.0, 6.4 + 0.2 * len(words))
-    figure, (setup, cycle) = style.page("ab", title, words, size=size, keys=3)
+    figure, (setup, cycle) = page("ab", title, words, size=size, keys=3)
     if loop is not None:
         draw_setup(setup, loop)
         _draw_cycle(cycle, loop)
     return figure
-
-
-def draw_object(axes: Axes, outline: Array, **look: object) -> None:
-    """An object by its outline (n, 2), m, in millimetres."""
-    shown: Look = {**LYING, **look}
-    axes.add_patch(Polygon(MM * outline, **shown))
-
-
-def draw_ring(axes: Axes, place: Array, **look: object) -> None:
-    """The ring at a place (2,), m; its size is free."""
-    shown: Look = {"fill": False, "edgecolor": INK, "linewidth": 1.2, "zorder": 4, **look}
-    axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **shown))
-
-
-def draw_rod(axes: Axes, place: Array, radius: float, **look: object) -> None:
-    """The rod at a place (2,), m."""
-    shown: Look = {"facecolor": INK, "edgecolor": INK, "zorder": 6, **look}
-    axes.add_patch(Circle(tuple(MM * place), max(MM * radius, 1.0), **shown))
-
-
-def draw_way(axes: Axes, places: Array, *mark: str, **look: Any) -> None:
-    """A way, or marks of Matplotlib's, at places (n, 2), m, in millimetres."""
-    axes.plot(*(MM * places).T, *mark, **look)
-
-
-def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
-    """Draw the object in its own frame: its sides by number, the rod at its first touch, its way,
-    the ring.
-    """
-    outline, reach = loop.slider.outline_points(200), loop.slider.outline.extent
-    draw_object(axes, outline)
-    for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
-        tip = 0.3 * MM * reach * way
-        style.arrow(axes, np.zeros(2), tip, QUIET)
-        style.name_tag(axes, 1.25 * tip[0], 1.25 * tip[1], name, color=QUIET)
-    centre = MM * np.array(loop.slider.centre_of_mass)
-    style.cross(axes, centre, INK, label="centre of mass")
-    number_sides(axes, MM * outline, 0.1)
-    rod, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
-    end = rod + loop.push.distance * way
-    draw_rod(axes, rod, loop.pusher.radius)
-    axes.plot([], [], "o", color=INK, label=f"rod, radius {MM * loop.pusher.radius:.3g} mm")
-    style.arrow(axes, MM * rod, MM * end, FORCE)
-    length = f"{MM * loop.push.distance:.4g} mm"
-    axes.plot([], [], color=FORCE, label=f"push, {length} at side {loop.push.side}")
-    ring = np.array(loop.slider.hitch)
-    place = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
-    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8)
-    circle: Look = {"markerfacecolor": "none", "markeredgecolor": MEASURED_EDGE}
-    axes.plot([], [], "o", markeredgewidth=1.8, label=place, **circle)
-    middle = np.array(loop.slider.outline.centroid)
-    corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
-    style.square_window(axes, MM * np.vstack(corners))
-    axes.set(xlabel="x (mm), object's frame", ylabel="y (mm)")
-    style.entitle(axes, "Set-up")
-
-
-def number_sides(axes: Axes, outline: Array, out: float, **look: Any) -> None:
-    """Write the number of each side of a closed outline (m, 2), `out` of half its size off it."""
-    middle, reach = outline[:-1].mean(axis=0), 0.5 * float(np.ptp(outline, axis=0).max())
-    if len(outline) - 1 > _MOST_NUMBERS:
-        style.name_tag(axes, middle[0], middle[1] - 0.5 * reach, "one curve: side 0")
-        return
-    edge = np.diff(outline, axis=0)
-    outward = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / np.hypot(*edge.T)[:, None]
-    places = 0.5 * (outline[:-1] + outline[1:]) + out * reach * outward
-    for side, (x, y) in enumerate(places.tolist()):
-        name = f"side {side}" if side == 0 and out > 0.0 else str(side)
-        axes.text(x, y, name, ha="center", va="center", **{"fontsize": 8, **look})
 
 
 def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
@@ -126,76 +67,143 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
         scene = loop.cycle(0.0).scene()
     except CycleMapError:
         axes.axis("off")
-        style.say(axes, "no cycle can be run")
+        say(axes, "no cycle can be run")
         return
     draw_object(axes, scene.push.before, label="before the push")
     draw_object(axes, scene.push.after, label="after it", **{**LATER, "edgecolor": PREDICTED})
     draw_object(axes, scene.drag.after, label="after the drag back", **{**LATER, "linestyle": "-"})
     draw_way(axes, scene.push.rod, color=FORCE, linewidth=1.6, label="way of the rod")
-    style.arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
+    arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     mark_target(axes)
     corners = [scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]
-    style.square_window(axes, MM * np.vstack(corners))
+    square_window(axes, MM * np.vstack(corners))
     axes.set(xlabel="x (mm), world", ylabel="y (mm)")
     way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
     towards = math.degrees(math.atan2(way[1], way[0]))
-    style.entitle(axes, f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
+    entitle(axes, f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
 
 
-def mark_target(axes: Axes) -> None:
-    """The target of the ring, the origin of the world."""
-    axes.plot(0.0, 0.0, "x", color=INK, ms=9, mew=1.8, label="target of the ring", zorder=7)
+_COLUMNS = 4
+# Inches of a panel, of the labels beside it, and of the words.
+_WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
+_FOOT = (
+    "Filled: the object as it is set, its ring a circle, corners a and b to set and to measure. "
+    "Dashed: where it is likely to end. Arrow: the rod's centre, from first touch. Millimetres "
+    "from the near left corner of the room."
+)
 
 
-def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
-    """The push in one panel, the drag in the other, on the same scale and window."""
-    corners = MM * np.stack([scene.push.reach, scene.drag.reach])
-    low, high = corners[:, 0].min(axis=0) - 8.0, corners[:, 1].max(axis=0) + 8.0
-    mm_per_newton = LONGEST_ARROW * float((high - low).max()) / scene.strongest_force
-    for axes, stroke in ((push_axes, scene.push), (drag_axes, scene.drag)):
-        _draw_stroke(axes, stroke)
-        tips = MM * stroke.force_point + mm_per_newton * stroke.force
-        for point, tip in zip(MM * stroke.force_point, tips, strict=True):
-            style.arrow(axes, point, tip, FORCE, 1.4, 7)
-        _show(axes, low, high)
-
-
-def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
-    """The object before and after, its centre's way, and the rod's: thick where it sticks, thin and
-    dotted where it slides.
+def known_parts(known: Mapping[str, float]) -> dict[str, str]:
+    """What is known after some pushes, by what it is of: whether the loop locks in, and where; the
+    map; where pushes end.
     """
-    draw_object(axes, stroke.before, **{**LATER, "facecolor": "#f4f4f4", "zorder": 1})
-    draw_object(axes, stroke.after, alpha=0.75)
-    draw_way(axes, stroke.centre, color=QUIET, linewidth=0.9, zorder=3)
-    style.cross(axes, MM * stroke.centre[0])
-    style.cross(axes, MM * stroke.centre[-1], PREDICTED)
-    draw_ring(axes, stroke.ring_before, edgecolor=QUIET, linestyle="--")
-    draw_ring(axes, stroke.ring_after, edgecolor=PREDICTED)
-    draw_way(axes, stroke.rod, color=INK, linewidth=1.0, linestyle=":", zorder=5)
-    sticking = np.where(stroke.sliding[:, None], np.nan, stroke.rod)
-    draw_way(axes, sticking, color=INK, linewidth=1.8, zorder=5)
-    draw_rod(axes, stroke.rod[0], stroke.rod_radius, facecolor="white")
-    draw_rod(axes, stroke.rod[-1], stroke.rod_radius)
+    parts = {}
+    if "wrong" in known:
+        parts["whether it locks in"] = f"{chance(1.0 - known['wrong'])} sure"
+    for name, called in (("direction", "where"), ("map", "map")):
+        if name in known:
+            parts[called] = f"±{angle(2.0 * known[name], 0 if name == 'direction' else 1)}"
+    if "place" in known:
+        parts["place"] = f"±{2.0 * MM * known['place']:.1f} mm"
+        parts["turn"] = f"±{angle(2.0 * known['turn'])}"
+    return parts
 
 
-def _show(axes: Axes, low: Array, high: Array) -> None:
-    """Show the window from `low` to `high` (mm), widened to the panel's shape so that no panel
-    shrinks.
+def known_words(known: Mapping[str, float]) -> str:
+    """The same in a row of words."""
+    return ", ".join(f"{name} {size}" for name, size in known_parts(known).items())
+
+
+def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
+    """How many pushes of what, what they will tell, what any one's loss costs, and what the numbers
+    rest on.
     """
-    panel = axes.get_window_extent()
-    size = np.array([panel.width, panel.height])
-    margin = 0.5 * (float(((high - low) / size).max()) * size - (high - low))
-    low, high = low - margin, high + margin
-    style.show_window(axes, low, high)
-    axes.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
-    axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-
-
-def cycle_key(scene: CycleScene) -> str:
-    """What the marks of the drawing mean, in two lines."""
+    planned, name, floor = len(plan.pushes), plan.loop.slider.name, plan.loop.material.name
+    after = {step.pushes: step for step in plan.knowledge}
+    chosen = after[planned]
+    asked = {
+        "direction": "where the loop locks in, if it does",
+        "map": "the cycle map",
+        "pushes": "where pushes end",
+    }
+    read = f"{MM * plan.read[0]:.2g} mm and {math.degrees(plan.read[1]):.2g}°"
+    locks = ""
+    if plan.chance is not None:
+        count = round(plan.chance * plan.samples)
+        lock = "locks" if count < 2 else "lock"
+        locks = f"Of {plan.samples} floors as {floor} has them {count or 'none'} {lock} it in. "
     return (
-        "dashed: before, solid: after  ·  path of the rod: solid sticks, dotted slides\n"
-        f"arrows: force on the object, longest {scene.strongest_force:.2g} N  ·  circle: ring"
+        f"{planned} pushes of {name} that tell most of {asked[plan.target]}.",
+        f"{locks}Known now: {known_words(after[0].planned)}. After these {planned}: "
+        f"{known_words(chosen.planned)}; after {planned} random ones: "
+        f"{known_words(chosen.random)}; "
+        f"with one of them lost, at worst: {known_words(plan.without)}.",
+        f"Expected, to first order, over {plan.samples} floors as {floor} has them, with readings "
+        f"good to {read} and what models miss on real floors; two standard deviations, averaged "
+        "where there is a direction.",
     )
+
+
+def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]:
+    """Whether what was measured is enough, how well directions are known, and what was read and
+    left out.
+    """
+    locks = measured.directions.chance
+    if not measured.is_enough(within):
+        verdict = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
+    elif locks >= SURE:
+        verdict = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
+    else:
+        verdict = f"Enough: it locks in nowhere, with a chance of {chance(1.0 - locks)}"
+    known = uncertainty_sentence(measured.loop.material.name, measured.directions)
+    return f"{verdict}.", known, *(f"data: {note}" for note in measured.notes)
+
+
+@picture_style()
+def plan_page(plan: PushPlan) -> Figure:
+    """Draw each push in the room, to scale, with its number, how it is set up, and where it is
+    likely to end.
+    """
+    count = len(plan.pushes)
+    rows = -(-count // _COLUMNS)
+    tall = _WIDTH * plan.room[1] / plan.room[0] + _BESIDE
+    size = (_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
+    title, *words = plan_sentences(plan)
+    layout = rows_of(*(_COLUMNS,) * rows)
+    figure, panels = page(layout, title, words, _FOOT, size=size)
+    for index, axes in enumerate(panels):
+        if index < count:
+            _draw_push(axes, plan, index)
+        else:
+            axes.set_axis_off()
+    return figure
+
+
+def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
+    planned, slider = plan.pushes[index], plan.loop.slider
+    push, start = planned.push, planned.start
+    pose = np.array([start.x, start.y, start.theta])
+    outline = slider.outline_points(120)
+    draw_object(axes, placed(pose, outline))
+    draw_object(axes, placed(np.array(plan.ends[index]), outline), **LATER)
+    first, last = (MM * np.array(place) for place in planned.rod(slider, plan.loop.pusher.radius))
+    arrow(axes, first, last, FORCE)
+    axes.plot(*first, "o", color=FORCE, markersize=4)
+    draw_ring(axes, placed(pose, np.array(slider.hitch)))
+    marks = np.array(marks_of(slider))
+    inside = 0.78 * marks + 0.22 * np.array(slider.outline.centroid)
+    draw_way(axes, placed(pose, marks), ".", color=MEASURED_EDGE, markersize=6)
+    for name, (x, y) in zip("ab", (MM * placed(pose, inside)).tolist(), strict=True):
+        name_tag(axes, x, y, name, color=MEASURED_EDGE)
+    axes.set(xlim=(0.0, MM * plan.room[0]), ylim=(0.0, MM * plan.room[1]), aspect="equal")
+    axes.tick_params(labelsize=6)
+    slant = f", slanted {math.degrees(push.angle):+.0f}°" if push.angle else ""
+    where = f"side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm"
+    axes.set_title(f"{index + 1}: {where}", fontsize=8.5)
+    axes.set_ylabel("y (mm)", fontsize=7)
+    places = (MM * placed(pose, marks)).tolist()
+    set_to = "; ".join(
+        f"{name} to {x:.0f}, {y:.0f}" for name, (x, y) in zip("ab", places, strict=True)
+    )
+    axes.set_xlabel(f"x (mm); {set_to}; θ {math.degrees(start.theta):.0f}°", fontsize=8)

@@ -27,29 +27,49 @@ from cyclemap.resets import (
     ResetRow,
     ResetStrategy,
 )
-from cyclemap.views import style
-from cyclemap.views.map_panels import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
-from cyclemap.views.object_page import MM, draw_object, draw_ring, number_sides
+from cyclemap.views.panels.layout import entitle, new_figure, page, panels_in, write_page
+from cyclemap.views.panels.orientation import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
+from cyclemap.views.panels.scene import MM, draw_object, draw_ring, number_sides
+from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.style import (
+    BAND,
+    DOTS,
+    EVEN,
+    FORCE,
+    INK,
+    LINE,
+    LINES,
+    MEASURED,
+    PREDICTED,
+    QUIET,
+    SECOND,
+    THETA0,
+    Look,
+    arrow,
+    count_axis,
+    degree_axis,
+    name_tag,
+    picture_style,
+    whole_turn_ticks,
+)
 from cyclemap.views.sentences import angle
-from cyclemap.views.staircase_panels import draw_staircase
-from cyclemap.views.style import FORCE, INK, LINE, LINES, MEASURED, PREDICTED, QUIET
 
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED, _BINS = 0.45, 8, 36
 
 
-@style.picture_style()
+@picture_style()
 def reset_page(design: ResetDesign) -> Figure:
     """Draw `design`."""
-    figure = style.new_figure(13.333, 8.2)
+    figure = new_figure(13.333, 8.2)
     foot = (
         f"total variation from uniform; after: {design.demands.within} pushes from the worst "
         f"start; {histogram_words(design)}; noise {math.degrees(design.sigma):.2g}° a cycle"
     )
     title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
-    low, high = style.write_page(figure, title, miss_sentences(design)[:1], foot)
+    low, high = write_page(figure, title, miss_sentences(design)[:1], foot)
     low = _write_rows(figure, design, low)
-    pushes, histograms, friction = style.panels(
+    pushes, histograms, friction = panels_in(
         figure, "abc", (low, high), width_ratios=(1.0, 1.55, 1.15)
     )
     draw_pushes(pushes, design.loop, design.chosen.strategy)
@@ -63,7 +83,7 @@ def reset_page(design: ResetDesign) -> Figure:
     friction.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top))
     friction.set_xlabel("error in the ratio of the friction's axes (%)")
     friction.set_ylabel("total variation, long run")
-    style.entitle(friction, "Friction in error")
+    entitle(friction, "Friction in error")
     return figure
 
 
@@ -76,7 +96,7 @@ def _write_rows(figure: Figure, design: ResetDesign, low: float) -> float:
     heights = [0.0175 * max(cell.count("\n") + 1 for cell in row) + 0.006 for row in cells]
     y = top = low + sum(heights) + 0.02
     for index, (row, height) in enumerate(zip(cells, heights, strict=True)):
-        look: style.Look = {"fontsize": 8, "linespacing": 1.15, "va": "top"}
+        look: Look = {"fontsize": 8, "linespacing": 1.15, "va": "top"}
         look |= {"color": INK if index else QUIET, "fontweight": "bold" if index == 1 else "normal"}
         for place, cell in zip(_PLACES, row, strict=True):
             figure.text(0.015 + 0.97 * place, y, cell, **look)
@@ -91,20 +111,20 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
     bins, pushes = design.after.shape[1], design.demands.pushes
     edges = np.linspace(0.0, 360.0, bins + 1)
     low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
-    axes.axhspan(low, high, label="95 % if uniform", **style.BAND)
+    axes.axhspan(low, high, label="95 % if uniform", **BAND)
     before, after = design.before[0], design.after[0]
     axes.stairs(before, edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
     axes.stairs(after, edges, label="with the reset", **LINE)
-    axes.axhline(1.0 / bins, **style.EVEN)
+    axes.axhline(1.0 / bins, **EVEN)
     top, peak = max(2.2 * high, 1.25 * float(after.max())), int(np.argmax(before))
     axes.set_ylim(0.0, top)
     if before[peak] > top:
         share = f"{before[peak]:.0%}"
-        style.name_tag(axes, edges[peak] + 5.0, 0.93 * top, share, color=MEASURED)
-    style.degree_axis(axes)
+        name_tag(axes, edges[peak] + 5.0, 0.93 * top, share, color=MEASURED)
+    degree_axis(axes)
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.set_ylabel("share of pushes")
-    style.entitle(axes, f"{pushes} pushes")
+    entitle(axes, f"{pushes} pushes")
 
 
 def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> None:
@@ -116,7 +136,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
     ring = np.array(prepared.slider.hitch)
     draw_ring(axes, ring)
     x, y = (MM * ring).tolist()
-    style.name_tag(axes, x, y, "ring", xytext=(9, 9), textcoords="offset points")
+    name_tag(axes, x, y, "ring", xytext=(9, 9), textcoords="offset points")
     number_sides(axes, MM * outline, -0.14, fontsize=12, fontweight="bold", color=PREDICTED)
     shares: Counter[SidePush] = Counter()
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
@@ -126,17 +146,17 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
         tip, way = first_contact(prepared.slider, push, prepared.pusher.radius)
         tip, beyond = MM * tip, MM * tip - 1.2 * length * way
         width = 1.0 + 2.2 * share
-        style.arrow(axes, tip - length * way, tip, FORCE, width, 3.0, mutation_scale=16)
+        arrow(axes, tip - length * way, tip, FORCE, width, 3.0, mutation_scale=16)
         axes.plot(*np.array([tip, beyond]).T, linestyle="none")
         if len(shares) <= _NAMED:
-            style.name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
+            name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1)
     axes.set_axis_off()
-    style.entitle(axes, "Where to push, object's frame")
+    entitle(axes, "Where to push, object's frame")
 
 
-@style.picture_style()
+@picture_style()
 def strategy_page(
     words: Sequence[str],
     loop: CollectionLoop,
@@ -151,27 +171,28 @@ def strategy_page(
 
     words : the title, then what is said below it.
     """
-    figure, (path, recorded, pushes, last) = style.page("ac;bd", words[0], words[1:])
+    figure, (path, recorded, pushes, last) = page("ac;bd", words[0], words[1:])
     if measured is not None:
-        path.plot(np.degrees(measured) % 360.0, label="measured", **style.DOTS)
-    dots: style.Look = {"color": PREDICTED, "markersize": 2, "label": "predicted", "zorder": 3}
-    path.plot(np.degrees(theta) % 360.0, ".", **dots)
-    path.set_ylabel(style.THETA0)
-    style.whole_turn_ticks(path)
-    style.count_axis(path, "cycle", len(theta) - 1)
-    style.entitle(path, "One run")
+        path.plot(np.degrees(measured) % 360.0, label="measured", **DOTS)
+    path.plot(
+        np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted", zorder=3
+    )
+    path.set_ylabel(THETA0)
+    whole_turn_ticks(path)
+    count_axis(path, "cycle", len(theta) - 1)
+    entitle(path, "One run")
     draw_pushes(pushes, loop, strategy)
     _draw_recorded(recorded, theta, measured, law)
-    style.entitle(recorded, "Directions recorded")
+    entitle(recorded, "Directions recorded")
     if turns is None:
         draw_staircase(last, theta)
-        style.entitle(last, "Staircase")
+        entitle(last, "Staircase")
         return figure
     around = TWO_PI * np.arange(turns.shape[1]) / turns.shape[1]
-    draw_turns(last, around, {"mean": strategy.shares @ turns}, (style.SECOND,))
+    draw_turns(last, around, {"mean": strategy.shares @ turns}, (SECOND,))
     for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
         last.plot(np.degrees(around), turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
-    style.entitle(last, "Turn of each action")
+    entitle(last, "Turn of each action")
     return figure
 
 
@@ -181,7 +202,7 @@ def _draw_recorded(
     """How often each orientation was recorded in run and data, and is in the long run."""
     shown = None if measured is None else angle_histogram(measured, _BINS)
     draw_recorded(axes, shown)
-    look = {**style.BAND, "linewidth": 1.0}
+    look = {**BAND, "linewidth": 1.0}
     draw_histogram(axes, angle_histogram(theta, _BINS), "this run", fill=True, **look)
     if law is not None:
         axes.plot(PER_DEGREE * law.density, label="long run", **LINE)
@@ -221,21 +242,21 @@ def action_words(action: CycleAction) -> str:
     >>> action_words(CycleAction()), action_words(CycleAction(()))
     ('as the loop does', 'straight drag')
     """
-    push, told = action.push, []
+    push, clauses = action.push, []
     if push is not None:
-        told.append(f"push {1e3 * push.distance:.4g} mm on side {push.side}{_place(push)}")
+        clauses.append(f"push {1e3 * push.distance:.4g} mm on side {push.side}{_place(push)}")
     if action.way_points is not None:
         places = [
             f"{1e3 * math.hypot(x, y):.4g} mm at {angle(math.atan2(y, x))}"
             for x, y in action.way_points
         ]
         more = f", and {len(places) - _MOST_TOLD} places more" if len(places) > _MOST_TOLD else ""
-        told.append(
+        clauses.append(
             f"drag by {', then '.join(places[:_MOST_TOLD])}{more}" if places else "straight drag"
         )
     if action.turn:
-        told.append(f"gripper {angle(action.turn)}")
-    return ", ".join(told) or "as the loop does"
+        clauses.append(f"gripper {angle(action.turn)}")
+    return ", ".join(clauses) or "as the loop does"
 
 
 def _place(push: SidePush) -> str:
@@ -270,18 +291,22 @@ def recipe(strategy: ResetStrategy) -> str:
         return f"{ring}take one of {len(actions)} actions, {ordered} (see the protocol file)"
     if order != "random":
         return f"{ring}{ordered}: {', '.join(words)}{common}"
-    parts = np.array(strategy.weights or (1.0,) * len(words))
-    if not np.allclose(parts, parts.round(), rtol=0.0, atol=1e-9):
+    weights = np.array(strategy.weights or (1.0,) * len(words))
+    if not np.allclose(weights, weights.round(), rtol=0.0, atol=1e-9):
         shares = [
             f"{share:.1%} {word}"
             for share, word in zip(strategy.shares.tolist(), words, strict=True)
         ]
         return f"{ring}before every push draw: {', '.join(shares)}{common}"
-    counts, lots = [round(part) for part in parts.tolist()], round(parts.sum())
+    counts, lots = [round(weight) for weight in weights.tolist()], round(weights.sum())
     if counts == [1, 1]:
         return f"{ring}before every push toss a coin: heads {words[0]}, tails {words[1]}{common}"
-    told = ", ".join(f"{count} of {lots} {word}" for count, word in zip(counts, words, strict=True))
-    return f"{ring}before every push {_DRAWS.get(lots, f'draw one of {lots} lots')}: {told}{common}"
+    draws = ", ".join(
+        f"{count} of {lots} {word}" for count, word in zip(counts, words, strict=True)
+    )
+    return (
+        f"{ring}before every push {_DRAWS.get(lots, f'draw one of {lots} lots')}: {draws}{common}"
+    )
 
 
 def _named(actions: Sequence[CycleAction]) -> tuple[list[str], str]:
@@ -352,14 +377,14 @@ def worst_words(about: MaterialRange) -> str:
     >>> worst_words(material_range(load_material("pu"))).partition(" (")[0]
     'at most in 95 % of its posterior, with 95 % confidence'
     """
-    told = f" ({about.told})" if about.told else ""
+    remark = f" ({about.told})" if about.told else ""
     if about.sampled:
         share, confidence = 100.0 * about.share, 100.0 * about.confidence
         return (
-            f"at most in {share:.0f} % of its posterior, with {confidence:.0f} % confidence{told}"
+            f"at most in {share:.0f} % of its posterior, with {confidence:.0f} % confidence{remark}"
         )
     return (
-        f"at the worst of {len(about.materials)} materials{told}"
+        f"at the worst of {len(about.materials)} materials{remark}"
         if about.others
         else "on that material alone"
     )
@@ -367,7 +392,7 @@ def worst_words(about: MaterialRange) -> str:
 
 def histogram_words(design: ResetDesign) -> str:
     """What histograms of as many pushes are held against, in 36 bins."""
-    told = (
+    measure = (
         f"histogram: mean distance of {design.demands.pushes} pushes in 36 bins, nominal and "
         "at worst"
     )
@@ -377,7 +402,7 @@ def histogram_words(design: ResetDesign) -> str:
         if steered is None
         else f", the chosen one steered by what is seen (cyclemap watch) {steered:.3f}"
     )
-    return f"{told}; independent uniform ones {design.independent:.3f}{seeing}"
+    return f"{measure}; independent uniform ones {design.independent:.3f}{seeing}"
 
 
 def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
@@ -387,7 +412,7 @@ def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
     if design.met:
         return ()
     missed = ", ".join(_DEMANDS[name][0] for name in design.chosen.misses) or "none by itself"
-    told = [
+    misses = [
         f"Nothing that was considered meets all demands. The nearest is told; it misses: {missed}."
     ]
     for limit in design.binding:
@@ -395,17 +420,23 @@ def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
             _DEMANDS[limit.demand],
             "most" if limit.demand == "contact" else "least",
         )
-        told.append(
+        misses.append(
             f"The {least} {of} considered is {scale * limit.value:.3g}{unit}: "
             f"{recipe(limit.strategy)}."
         )
-    return tuple(told)
+    return tuple(misses)
 
 
 def row_cells(row: ResetRow) -> tuple[str, ...]:
     """A row as words, in the order of `COLUMNS`; a row that misses a demand says so."""
-    numbers = (row.nominal.total_variation, row.worst, row.worst_after)
+    distances = (row.nominal.total_variation, row.worst, row.worst_after)
     histogram = f"{row.histogram[0]:.3f}, {row.worst_histogram[0]:.3f}"
     costs = f"{1e3 * row.drag:.0f} mm", f"{row.seconds:.1f} s", f"{1e3 * row.contact:.0f} mm"
-    told = ", ".join(row.roles) + (" (misses)" if row.misses else "")
-    return told, recipe(row.strategy), *(f"{number:.3f}" for number in numbers), histogram, *costs
+    roles = ", ".join(row.roles) + (" (misses)" if row.misses else "")
+    return (
+        roles,
+        recipe(row.strategy),
+        *(f"{distance:.3f}" for distance in distances),
+        histogram,
+        *costs,
+    )

@@ -71,13 +71,13 @@ def headline(portrait: Portrait) -> str:
     if lock is not None and 1 < lock.denominator <= _MOST_IN_TURN:
         nowhere = f"locks into {lock.denominator} directions in turn"
     words = words or [f"gathers about {listed(jumps)}" if jumps else nowhere]
-    told = f"{portrait.loop.material.name} {' and '.join(words)}"
+    verdict = f"{portrait.loop.material.name} {' and '.join(words)}"
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
-        told += f" (locked in {known.chance:.0%} of what its data allow)"
+        verdict += f" (locked in {known.chance:.0%} of what its data allow)"
     if portrait.worn is None:
-        return told
+        return verdict
     worn = [angle(zone.centre) for zone in portrait.worn.zones]
-    return f"{told} when fresh, {f'near {listed(worn)}' if worn else 'nowhere'} when worn"
+    return f"{verdict} when fresh, {f'near {listed(worn)}' if worn else 'nowhere'} when worn"
 
 
 def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) -> str:
@@ -98,10 +98,11 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
         return ""
     if not known.is_posterior:
         ends = [
-            (angle(one.lower, 0), angle(one.upper % (2 * math.pi), 0)) for one in known.directions
+            (angle(interval.lower, 0), angle(interval.upper % (2 * math.pi), 0))
+            for interval in known.directions
         ]
-        told = [" to ".join(dict.fromkeys(pair)) for pair in ends]
-        where = f", the stable direction at {listed(told)}" if told else ""
+        intervals = [" to ".join(dict.fromkeys(pair)) for pair in ends]
+        where = f", the stable direction at {listed(intervals)}" if intervals else ""
         many = (
             "neither surface locks in",
             "one of the two surfaces locks in",
@@ -112,17 +113,17 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
             f"more {many}{where}."
         )
     how = "to first order" if known.method == FIRST_ORDER else "each run in full"
-    told, few = list[str](), list[str]()
+    intervals, few = list[str](), list[str]()
     for direction in known.directions:
         count = round(direction.share * known.samples)
         if known.has_interval(direction):
-            told.append(f"{_ends(direction)} (in {direction.share:.0%} of samples)")
+            intervals.append(f"{_ends(direction)} (in {direction.share:.0%} of samples)")
         elif count:
             both = dict.fromkeys(
                 (angle(direction.lower, 0), angle(direction.upper % (2.0 * math.pi), 0))
             )
             few.append(f"{count} at {' to '.join(both)}")
-    places = [f"95 % of them at {listed(told)}"] if told else []
+    places = [f"95 % of them at {listed(intervals)}"] if intervals else []
     places += [f"only {listed(few)}"] if few else []
     of = f"{known.locks} of {known.samples} samples {'has' if known.locks == 1 else 'have'}"
     words = f"Of what the data on {name} allow, {of} a stable direction ({how})"
@@ -148,12 +149,12 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
     where = f", at {listed(likely)}" if likely else ""
     seen = forecast.orientations
     locks = f"the loop locks in with a chance of {chance(forecast.chance)}{where}"
-    told = (
+    seen_words = (
         f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen ({seen.lower:.0f} "
         f"to {seen.upper:.0f})"
     )
     lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
-    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {told}."
+    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {seen_words}."
 
 
 def _ends(interval: DirectionInterval) -> str:
@@ -180,21 +181,23 @@ def interval_decimals(width: float) -> int:
     return next((decimals for decimals in range(_FINEST) if width * 10.0**decimals >= 4.0), _FINEST)
 
 
-def multiplier_sentence(found: RestMultiplier | None) -> str:
+def multiplier_sentence(multiplier: RestMultiplier | None) -> str:
     """What the last cycles keep of an error, and whether the direction may be on its way out; empty
     without a rest.
     """
-    if found is None:
+    if multiplier is None:
         return ""
-    told = f"{found.value:.2f} of an error ({found.lower:.2f} to {found.upper:.2f})".replace(
-        "-", "−"
+    kept, *ends = (
+        rounded(end, 2) for end in (multiplier.value, multiplier.lower, multiplier.upper)
     )
     lost = (
-        " At 1 the direction is lost: watch whether that share grows." if found.upper >= 1.0 else ""
+        " At 1 the direction is lost: watch whether that share grows."
+        if multiplier.upper >= 1.0
+        else ""
     )
     return (
-        f"Over the last {found.cycles} cycles, at rest near {angle(found.theta, 0)}, each "
-        f"keeps {told}.{lost}"
+        f"Over the last {multiplier.cycles} cycles, at rest near {angle(multiplier.theta, 0)}, "
+        f"each keeps {kept} of an error ({' to '.join(ends)}).{lost}"
     )
 
 
@@ -246,7 +249,7 @@ def worn_rests(worn: StaircaseSummary) -> str:
     """Where θ0 rests on the surface of the last cycle, and how long."""
     if not worn.zones:
         return "nowhere"
-    times = [one.residence_cycles for one in worn.zones]
+    times = [rest.residence_cycles for rest in worn.zones]
     stays = [
         cycles(time) if time <= LONGEST_STAY else "longer than any collection" for time in times
     ]
@@ -277,7 +280,7 @@ def lock_sentence(portrait: Portrait) -> str:
         for orbit in orbits:
             _, decimals = _known_to(portrait.uncertainty, orbit.points[0])
             directions.append(angle(orbit.points[0], decimals))
-        multipliers = listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
+        multipliers = listed(rounded(orbit.multiplier, 3) for orbit in orbits)
         # How many cycles take an error to its tenth.
         sizes = [abs(orbit.multiplier) for orbit in orbits]
         after = [
@@ -327,11 +330,13 @@ def noise_sentence(portrait: Portrait) -> str:
     where = f"peak at {listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
     sentence = f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
     sentence += f"the start is forgotten in {forgotten}."
-    held = [one for one in portrait.held if one.share.error_bound < _TOLD_SHARE]
+    held = [direction for direction in portrait.held if direction.share.error_bound < _TOLD_SHARE]
     if len(held) < 2:
         return sentence
-    shares = listed([f"{one.share:.0%} near {angle(one.peak, 0)}" for one in held])
-    change = 1.0 / sum(one.share * one.leaving for one in held)
+    shares = listed(
+        [f"{direction.share:.0%} near {angle(direction.peak, 0)}" for direction in held]
+    )
+    change = 1.0 / sum(direction.share * direction.leaving for direction in held)
     many = _COUNTS.get(len(held), str(len(held)))
     return f"{sentence} Noise holds {many} directions: {shares}, a change every {cycles(change)}."
 
@@ -343,7 +348,7 @@ def staircase_sentence(portrait: Portrait) -> str:
     if portrait.worn is not None:
         path = portrait.staircase.theta
         run = f"one run of {portrait.staircase.cycles} cycles (seed {portrait.staircase.seed})"
-        climbed = f"{(path[-1] - path[0]) / (2 * math.pi):.1f}".replace("-", "−")
+        climbed = rounded((path[-1] - path[0]) / (2 * math.pi), 1)
         return (
             f"As the surface wears, {run} makes {climbed} turns; by then θ0 rests "
             f"{worn_rests(portrait.worn)}."
@@ -449,8 +454,16 @@ def angle(radians: float, decimals: int = 1) -> str:
     >>> angle(math.pi / 3)
     '60.0°'
     """
-    # Adding zero turns a rounded -0.0 into 0.0.
-    return f"{round(math.degrees(radians), decimals) + 0.0:.{decimals}f}°".replace("-", "−")
+    return f"{rounded(math.degrees(radians), decimals)}°"
+
+
+def rounded(value: float, decimals: int) -> str:
+    """A number for people, with so many decimals; never −0.
+
+    >>> rounded(-1.25, 1), rounded(-0.001, 2)
+    ('−1.2', '0.00')
+    """
+    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")
 
 
 def chance(share: float) -> str:

@@ -1,11 +1,11 @@
-"""A sweep: in sentences, and drawn as a diagram over one key or two,
-or as a scatter of a sample."""
+"""A sweep: in sentences, and drawn as a diagram over one key or two, or as a scatter of a
+sample.
+"""
 
 import math
 from collections import Counter
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -17,22 +17,15 @@ from matplotlib.figure import Figure
 from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
-from cyclemap.maps import RotationPlane
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import RotationNumbers, RotationPlane
 from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
 from cyclemap.protocol.settings import loop_from_settings
-from cyclemap.sweeps.point_sets import MATERIAL_KEY, SweepAxis
+from cyclemap.sweeps.point_sets import KEY_UNITS, MATERIAL_KEY, SWEPT, SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
-from cyclemap.sweeps.sweep_curves import (
-    SweptCurves,
-    SweptLines,
-    SweptPlane,
-    SweptScatter,
-    axis_places,
-)
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
-from cyclemap.views.rotation_panels import (
+from cyclemap.views.panels.layout import Panel, draw_panels, page, rows_of
+from cyclemap.views.panels.rotation import (
     cell_edges,
     draw_rotation_numbers,
     draw_rotation_plane,
@@ -40,7 +33,20 @@ from cyclemap.views.rotation_panels import (
     mark_cells,
     scale_beside,
 )
-from cyclemap.views.style import INK, PREDICTED, QUIET, Look
+from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import (
+    INK,
+    OPEN,
+    PREDICTED,
+    QUIET,
+    Look,
+    name_tag,
+    orbit_marker,
+    picture_style,
+    say,
+    show_window,
+    whole_turn_ticks,
+)
 
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
@@ -50,25 +56,10 @@ REFUSED: Look = {
     "hatch": "xxx",
     "linewidth": 0.0,
 }
-_UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
-_KEY_WORDS = {
-    "mu_a": "friction μa",
-    "mu_b": "friction μb",
-    "m0": "offset m0",
-    "n0": "offset n0",
-    "phi_deg": "direction φ of friction",
-    "pusher_mu": "friction of the rod",
-    "pusher_radius_mm": "radius of the rod",
-    "fraction": "place on the side",
-    "angle_deg": "angle of the push",
-    "push_mm": "length of the push",
-    "object_name": "object",
-    "hitch_x_mm": "ring x",
-    "hitch_y_mm": "ring y",
-    "pin_friction_mm": "friction radius of the pin",
-    "noise_deg": "noise of a cycle",
-}
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
+# Behind a number.
+_SPACED_UNITS = {"degree": "°", "mm": " mm", "kg": " kg"}
+_ROTATION = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
 _MOST_COUNTS = 8
 _LONGEST_NAME = 22
 # Planes with as many values along both axes are fine enough for tongues to be more than a cell
@@ -78,32 +69,63 @@ _MOST_REASONS = 3
 _LONGEST_REASON = 160
 
 
-@style.picture_style()
-def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
-    """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
-    # Titles, which are meanings short of their remarks, and drawers; where fixed points are known
-    # they come first.
-    panels: list[style.Panel] = []
-    draw: Any
-    if isinstance(curves, SweptLines):
-        draw, told = draw_swept_line, curves.lines
-        if curves.points is not None:
-            panels.append(("Fixed points", partial(draw_fixed_points, swept=curves)))
-    elif isinstance(curves, SweptPlane):
-        draw, told = draw_swept_plane, curves.planes
-    else:
-        draw, told = draw_swept_scatter, curves.values
-    for index, (quantity, _) in enumerate(told):
-        name = quantity.meaning.partition(",")[0]
-        panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
-    panels = panels[:MOST_PANELS]
+@picture_style()
+def sweep_page(sweep: Sweep, names: tuple[str, ...] = ()) -> Figure:
+    """Draw a sweep over one key or two: some quantities, at most two panels side by side.
+
+    names : of quantities; (): those that are there.
+
+    Raises InvalidInput for more keys (select values of the others first), a sample of keys that are
+    no numbers, a quantity that was not asked for, and a sweep without points.
+    """
+    panels = swept_panels(sweep, names)[:MOST_PANELS]
     words, foot = sweep_sentences(sweep), settings_line(sweep)
-    figure, placed = style.page(style.rows_of(len(panels)), sweep_headline(sweep), words, foot)
-    style.draw_panels(placed, panels)
-    if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+    figure, placed = page(rows_of(len(panels)), sweep_headline(sweep), words, foot)
+    draw_panels(placed, panels)
+    if tuple(axis.key for axis in sweep.axes) == RING_KEYS:
         for axes in placed:
             _draw_object(axes, sweep)
     return figure
+
+
+def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[Panel]:
+    """The panels of a sweep; where fixed points are known they come first."""
+    if not len(sweep):
+        raise InvalidInput("no point of this sweep is stored: there is nothing to draw")
+    keys = [axis.key for axis in sweep.axes] or sweep.keys
+    if len(keys) > 2:
+        raise InvalidInput(
+            f"{len(keys)} keys are swept ({', '.join(keys)}): select values of all but two to draw "
+            "them"
+        )
+    draw = draw_swept_plane if sweep.axes else draw_swept_scatter
+    panels: list[Panel] = []
+    if len(keys) == 1:
+        draw, sweep = draw_swept_line, in_order(sweep)
+        if "fixed_point_theta" in sweep.table:
+            panels.append(("Fixed points", partial(draw_fixed_points, sweep=sweep)))
+    default = [name for name in ("rotation", "stable_points") if name in sweep.table]
+    first = [quantity.name for quantity in sweep.quantities if not quantity.many][:2]
+    for name in names or default or first:
+        quantity = sweep.quantity(name)
+        if quantity.many:
+            raise InvalidInput(
+                f"{name} is a list at each point: draw a quantity that is one number"
+            )
+        # A meaning is a title short of its remarks.
+        title = quantity.meaning.partition(",")[0]
+        drawn = partial(draw, sweep=sweep, quantity=quantity)
+        panels.append((f"{title[:1].upper()}{title[1:]}", drawn))
+    return panels
+
+
+def in_order(sweep: Sweep) -> Sweep:
+    """A sweep over one key as a grid of its values, numbers in order."""
+    (key,) = (axis.key for axis in sweep.axes) if sweep.axes else sweep.keys
+    values = sweep.axes[0].values if sweep.axes else tuple(set(sweep.table[key]))
+    if sweep.is_numeric(key) or not sweep.axes:
+        values = tuple(sorted(values))  # type: ignore[type-var]
+    return replace(sweep, axes=(SweepAxis(key, values),))
 
 
 def _draw_object(axes: Axes, sweep: Sweep) -> None:
@@ -113,62 +135,74 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
     axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
     if slider.name in MIT_SHAPE_NAMES:
         x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
-        axes.plot(x, y, "*", markersize=11, zorder=6, **style.OPEN)
-        style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+        axes.plot(x, y, "*", markersize=11, zorder=6, **OPEN)
+        name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     ends = outline.min(axis=0) - 3.0, outline.max(axis=0) + 3.0
-    style.show_window(axes, np.minimum(low, ends[0]), np.maximum(high, ends[1]))
+    show_window(axes, np.minimum(low, ends[0]), np.maximum(high, ends[1]))
     axes.set_aspect("equal")
 
 
 def key_words(key: str) -> str:
     """A swept key in words, without its unit.
 
-    >>> key_words("hitch_x_mm"), key_words("rim_share")
-    ('ring x', 'rim share')
+    >>> key_words("hitch_x_mm"), key_words("pin_friction_mm")
+    ('ring x', 'pin friction')
     """
-    ending = next(filter(key.endswith, _UNITS), "")
-    return _KEY_WORDS.get(key, key.removesuffix(ending).replace("_", " "))
+    unit = key.rpartition("_")[2]
+    return SWEPT[key].label or key.removesuffix(f"_{unit}" if unit in KEY_UNITS else "").replace(
+        "_", " "
+    )
 
 
-def key_unit(key: str) -> str:
-    """The unit of a swept key; empty where it has none."""
-    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+def label(words: str, unit: str) -> str:
+    """Words and unit, as the label of an axis.
+
+    >>> label("ring x", "mm"), label("friction μa", "1")
+    ('ring x (mm)', 'friction μa')
+    """
+    return words if unit == "1" else f"{words} ({_SHORT_UNITS.get(unit, unit)})"
 
 
 def key_label(key: str) -> str:
-    """A swept key as the label of an axis.
-
-    >>> key_label("hitch_x_mm"), key_label("mu_a")
-    ('ring x (mm)', 'friction μa')
-    """
-    unit = key_unit(key)
-    return f"{key_words(key)} ({unit})" if unit else key_words(key)
+    """A swept key as the label of an axis."""
+    return label(key_words(key), key_unit(key))
 
 
 def quantity_label(quantity: Quantity) -> str:
     """A quantity's meaning and unit, as the label of an axis."""
-    unit = _SHORT_UNITS.get(quantity.written_unit, quantity.written_unit)
-    return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
+    return label(quantity.meaning, quantity.written_unit)
 
 
-def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
+def draw_swept_plane(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity over two keys, by colour; locked regions outlined,
     refused points crossed out."""
-    quantity, values = swept.planes[index]
-    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
-    labels = key_label(swept.first.key), key_label(swept.second.key)
-    if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
-        draw_rotation_plane(axes, without_specks(swept.rotation), *labels)
+    values = quantity.written(sweep.on_grid(quantity.name))
+    first, second = (cell_edges(axis.positions) for axis in sweep.axes)
+    labels = [key_label(axis.key) for axis in sweep.axes]
+    if quantity.name == "rotation" and np.isfinite(values).any():
+        draw_rotation_plane(axes, without_specks(rotation_plane(sweep)), *labels)
     else:
         look, ticks = _shades(values)
         scale = draw_shades(axes, first, second, values, quantity_label(quantity), **look)
         _mark_counts(scale, ticks)
         axes.set(xlabel=labels[0], ylabel=labels[1])
-    if swept.refused.any():
-        mark_cells(axes, first, second, swept.refused, label="refused", zorder=2, **REFUSED)
-    _name_ticks(axes.xaxis, swept.first)
-    _name_ticks(axes.yaxis, swept.second)
+    refused = np.zeros(sweep.shape, dtype=bool)
+    refused[sweep.places()] = sweep.refused
+    if refused.any():
+        mark_cells(axes, first, second, refused, label="refused", zorder=2, **REFUSED)
+    for side, axis in zip((axes.xaxis, axes.yaxis), sweep.axes, strict=True):
+        _name_ticks(side, axis)
+
+
+def rotation_plane(sweep: Sweep) -> RotationPlane:
+    """The rotation numbers of a grid over two keys."""
+    value, lower, upper, periods, windings = (sweep.on_grid(name) for name in _ROTATION)
+    period, winding = (np.nan_to_num(locked).astype(int) for locked in (periods, windings))
+    # Whether a map folds is told by its least slope, where that was asked for.
+    slope = sweep.on_grid("min_slope") if "min_slope" in sweep.table else np.zeros(sweep.shape)
+    first, second = (axis.positions for axis in sweep.axes)
+    return RotationPlane(first, second, value, lower, upper, period, winding, slope < 0.0, 0.0)
 
 
 def _mark_counts(scale: Colorbar, counts: Array | None) -> None:
@@ -200,15 +234,15 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
 
 def _shades(values: Array) -> tuple[Look, Array | None]:
     """One shade for each small count, light to dark; shades that run on for all else."""
-    found = values[np.isfinite(values)]
+    known = values[np.isfinite(values)]
     counted = (
-        found.size > 0
-        and bool(np.all(found == np.round(found)))
-        and float(np.ptp(found)) < _MOST_COUNTS
+        known.size > 0
+        and bool(np.all(known == np.round(known)))
+        and float(np.ptp(known)) < _MOST_COUNTS
     )
     if not counted:
         return {"cmap": "cividis"}, None
-    levels = np.arange(found.min(), found.max() + 1.0)
+    levels = np.arange(known.min(), known.max() + 1.0)
     # The lightest shade is not white: that is where no point is.
     shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
     norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
@@ -218,65 +252,74 @@ def _shades(values: Array) -> tuple[Look, Array | None]:
 def _name_ticks(side: Axis, axis: SweepAxis) -> None:
     """Words at the values of an axis that holds no numbers."""
     if not axis.is_number:
-        side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
+        side.set_ticks(axis.positions, [_short(value) for value in axis.values])
 
 
-def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
+def draw_fixed_points(axes: Axes, sweep: Sweep) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
-    axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
-    style.whole_turn_ticks(axes)
-    at, theta, stable = (
-        swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
-    )
+    (axis,), (places,) = sweep.axes, sweep.places()
+    axes.set(xlabel=key_label(axis.key), ylabel="θ of the fixed points (°)")
+    whole_turn_ticks(axes)
+    points = sweep.table["fixed_point_theta"].tolist()
+    at = np.repeat(axis.positions[places], [theta.size for theta in points])
+    theta = np.degrees(np.concatenate(points))
+    stable = np.concatenate(sweep.table["fixed_point_stable"].tolist()) == 1.0
     if not at.size:
-        style.say(axes, "no fixed point")
-    size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
+        say(axes, "no fixed point")
+    size = float(np.clip(300.0 / len(sweep), 2.0, 6.0))
     for kind, chosen in (("stable", stable), ("unstable", ~stable)):
-        look = {**style.orbit_marker(kind), "markersize": size, "markeredgewidth": 0.9}
+        look = {**orbit_marker(kind), "markersize": size, "markeredgewidth": 0.9}
         axes.plot(at[chosen], theta[chosen], label=kind if chosen.any() else None, **look)
-    _finish_line_axis(axes, swept)
+    _finish_line_axis(axes, sweep)
 
 
-def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
+def draw_swept_line(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity over the key: rotation numbers with their plateaus, anything else as a line with
     dots.
     """
-    quantity, values = swept.lines[index]
-    if quantity.name == "rotation" and swept.rotation is not None and swept.axis.is_number:
-        draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
+    (axis,) = sweep.axes
+    values = quantity.written(sweep.on_grid(quantity.name))
+    known = np.isfinite(values)
+    if quantity.name == "rotation" and axis.is_number and known.any():
+        value, lower, upper, *locked = (sweep.on_grid(name)[known] for name in _ROTATION)
+        period, winding = (column.astype(int) for column in locked)
+        numbers = RotationNumbers(value, lower, upper, period, winding, 0.0)
+        draw_rotation_numbers(axes, axis.positions[known], numbers, key_label(axis.key))
     else:
-        mark = "o-" if swept.axis.is_number else "o"
-        axes.plot(swept.parameter, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
-        axes.set(xlabel=key_label(swept.axis.key), ylabel=quantity_label(quantity))
-    _finish_line_axis(axes, swept)
+        mark = "o-" if axis.is_number else "o"
+        axes.plot(axis.positions, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
+        axes.set(xlabel=key_label(axis.key), ylabel=quantity_label(quantity))
+    _finish_line_axis(axes, sweep)
 
 
-def _finish_line_axis(axes: Axes, swept: SweptLines) -> None:
+def _finish_line_axis(axes: Axes, sweep: Sweep) -> None:
     """Limits and ticks of the key's axis, and marks of refused points."""
-    low, high = float(axis_places(swept.axis).min()), float(axis_places(swept.axis).max())
-    margin = 0.02 * (high - low) if swept.axis.is_number and high > low else 0.5
+    (axis,), (places,) = sweep.axes, sweep.places()
+    low, high = float(axis.positions.min()), float(axis.positions.max())
+    margin = 0.02 * (high - low) if axis.is_number and high > low else 0.5
     axes.set_xlim(low - margin, high + margin)
-    _name_ticks(axes.xaxis, swept.axis)
-    if swept.refused.size:
-        bottom, level = axes.get_xaxis_transform(), np.full(swept.refused.size, 0.02)
-        axes.plot(swept.refused, level, "x", color=INK, transform=bottom, label="refused")
+    _name_ticks(axes.xaxis, axis)
+    if sweep.refused.any():
+        refused = axis.positions[places[sweep.refused]]
+        bottom, level = axes.get_xaxis_transform(), np.full(refused.size, 0.02)
+        axes.plot(refused, level, "x", color=INK, transform=bottom, label="refused")
 
 
-def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
+def draw_swept_scatter(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity at the points of a sample over two keys, by colour;
     refused points as crosses."""
-    quantity, values = swept.values[index]
-    (first_key, first), (second_key, second) = swept.first, swept.second
+    values = quantity.written(sweep.table[quantity.name])
+    first, second = (sweep.values(key) for key in sweep.keys)
     look, ticks = _shades(values)
-    size = float(np.clip(6000.0 / max(first.size, 1), 6.0, 60.0))
-    found = np.isfinite(values)
+    size = float(np.clip(6000.0 / len(sweep), 6.0, 60.0))
+    known, refused = np.isfinite(values), sweep.refused
     look |= {"edgecolor": QUIET, "linewidth": 0.6, "zorder": 3}
-    dots = axes.scatter(first[found], second[found], c=values[found], s=size, **look)
+    dots = axes.scatter(first[known], second[known], c=values[known], s=size, **look)
     _mark_counts(scale_beside(axes, dots, quantity_label(quantity)), ticks)
-    if swept.refused.any():
-        refused = first[swept.refused], second[swept.refused]
-        axes.plot(*refused, "x", color=INK, markersize=5, label="refused", zorder=4)
-    axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
+    if refused.any():
+        place = first[refused], second[refused]
+        axes.plot(*place, "x", color=INK, markersize=5, label="refused", zorder=4)
+    axes.set(xlabel=key_label(sweep.keys[0]), ylabel=key_label(sweep.keys[1]))
 
 
 def _short(value: object) -> str:
@@ -290,8 +333,7 @@ def axis_words(axis: SweepAxis) -> str:
     >>> axis_words(SweepAxis("hitch_x_mm", (-12.0, -8.0, -4.0)))
     'ring x -12 to -4 mm (3 values)'
     """
-    name, unit = key_words(axis.key), key_unit(axis.key)
-    unit = unit if unit in ("", "°") else f" {unit}"
+    name, unit = key_words(axis.key), _SPACED_UNITS.get(key_unit(axis.key), "")
     if axis.is_number and len(axis.values) > 1:
         return (
             f"{name} {_short(axis.values[0])} to {_short(axis.values[-1])}{unit} "
@@ -308,7 +350,7 @@ def sweep_headline(sweep: Sweep) -> str:
         else f"{', '.join(sweep.description['plan']['material'])}: "
     )
     kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
-    values = {key: sweep.swept[key][0] for key in sweep.keys if key not in kept and len(sweep)}
+    values = {key: sweep.table[key].iloc[0] for key in sweep.keys if key not in kept and len(sweep)}
     fixed = [
         f"{key_words(key)} = {f'{value:.5g}' if isinstance(value, float) else value}"
         for key, value in values.items()
@@ -333,42 +375,41 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
             for key, ends in sample.get("ranges", {}).items()
         )
         swept = f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"
-    told = [f"{whole} over {swept}."]
-    if "locked_period" in sweep.columns:
-        period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
+    sentences = [f"{whole} over {swept}."]
+    if "locked_period" in sweep.table:
+        period, winding = sweep.table["locked_period"], sweep.table["locked_winding"]
         pairs = zip(winding[period > 0].tolist(), period[period > 0].tolist(), strict=True)
         ratios = Counter(f"{int(p)}/{int(q)}" for p, q in pairs)
         listed = ", ".join(
             f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS)
         )
         more = ", ..." if len(ratios) > _MOST_REASONS else ""
-        told.append(
+        sentences.append(
             f"{ratios.total()} lock ({listed}{more})." if ratios else "No point is proved to lock."
         )
-    stable = sweep.columns.get("stable_points", np.empty(0))
-    if np.isfinite(stable).any():
-        counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
-        told.append(
+    if "stable_points" in sweep.table and sweep.table["stable_points"].notna().any():
+        counts = sorted(Counter(sweep.table["stable_points"].dropna().astype(int)).items())
+        sentences.append(
             f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}."
         )
-    if refused := [text.partition(" (set:")[0] for text in sweep.refusals if text]:
+    if refused := [text.partition(" (set:")[0] for text in sweep.table["refusal"] if text]:
         reason, count = Counter(refused).most_common(1)[0]
         short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
         most = f"{count} of them" if count < len(refused) else "all of them" if count > 1 else "it"
-        told.append(f"{len(refused)} refused; {most} so: {short}.")
-    return told
+        sentences.append(f"{len(refused)} refused; {most} so: {short}.")
+    return sentences
 
 
 def settings_line(sweep: Sweep) -> str:
     """What holds for all points: settings, and the accuracy asked for."""
     plan = sweep.description["plan"]
-    told = ", ".join(f"{key}={value}" for key, value in plan["settings"].items())
+    settings = ", ".join(f"{key}={value}" for key, value in plan["settings"].items())
     asked = plan["quantities"]
     accuracy = f"map to {np.degrees(asked['tolerance']):.1g}°" if "tolerance" in asked else ""
     pace = asked.get("rotation_tolerance", 0.0)
     turns = (
-        f"rotation numbers to {pace:g} turns a cycle"
-        if pace and "rotation" in sweep.columns
-        else ""
+        f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.table else ""
     )
-    return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)
+    return "; ".join(
+        clause for clause in (f"set: {settings}" if settings else "", accuracy, turns) if clause
+    )

@@ -21,7 +21,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     pooled_quantities,
 )
 from cyclemap.evidence.laws.circular_distance import PValue
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, rounded
 
 # A prediction is rejected below this p-value.
 LEVEL = 0.05
@@ -43,7 +43,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Quantity:
     """How a quantity is told: its name, the factor to its unit, that unit, and of how many decimals
     the least, and the most, where fewer leave its interval no width.
     """
@@ -56,7 +56,7 @@ class _Told:
 
     def number(self, value: float, digits: int = 2) -> str:
         """The number alone; never −0."""
-        return f"{round(self.scale * value, digits) + 0.0:.{digits}f}".replace("-", "−")
+        return rounded(self.scale * value, digits)
 
     def value(self, value: float, digits: int = 2) -> str:
         """The number with its unit."""
@@ -65,94 +65,100 @@ class _Told:
 
 _DEG = math.degrees(1.0)
 _QUANTITIES = {
-    "dtheta": _Told("turn of a push", _DEG, "°"),
-    "dx": _Told("Δx", 1e3, " mm"),
-    "dy": _Told("Δy", 1e3, " mm"),
-    "turn": _Told("turn of a cycle", _DEG, "°"),
-    "turns": _Told("number of turns", 1.0, " turns", 1),
-    "steps": _Told("number of steps", 1.0, " steps", 0, 0),
-    "step_height": _Told("step height", _DEG, "°", 0, 1),
-    "residence": _Told("residence on a step", 1.0, " cycles", 0, 1),
+    "dtheta": _Quantity("turn of a push", _DEG, "°"),
+    "dx": _Quantity("Δx", 1e3, " mm"),
+    "dy": _Quantity("Δy", 1e3, " mm"),
+    "turn": _Quantity("turn of a cycle", _DEG, "°"),
+    "turns": _Quantity("number of turns", 1.0, " turns", 1),
+    "steps": _Quantity("number of steps", 1.0, " steps", 0, 0),
+    "step_height": _Quantity("step height", _DEG, "°", 0, 1),
+    "residence": _Quantity("residence on a step", 1.0, " cycles", 0, 1),
 }
 
 
-def verdicts(found: Comparison) -> tuple[Verdict, ...]:
+def verdicts(comparison: Comparison) -> tuple[Verdict, ...]:
     """Return the answer to each question that could be asked, in degrees and millimetres."""
     said = list[Verdict]()
-    tell = _pooled_verdict if len(found.pushes) > MOST_SETS else _mean_verdict
-    for name, quantities in told_sets(found):
+    tell = _pooled_verdict if len(comparison.pushes) > MOST_SETS else _mean_verdict
+    for name, quantities in told_sets(comparison):
         said += [tell(quantity, name) for quantity in quantities]
-    if found.pushes:
-        said.append(_ends_verdict(found.pushes))
-    if found.cycle is not None:
-        said += [_turn_verdict(found.cycle), _map_verdict(found.cycle)]
-    if found.orientations is not None:
-        said.append(_histogram_verdict(found.orientations))
-    if found.directions is not None:
-        said += map(_direction_verdict, found.directions.matches)
-    if found.staircase is not None:
-        asked = found.staircase.quantities.items()
+    if comparison.pushes:
+        said.append(_ends_verdict(comparison.pushes))
+    if comparison.cycle is not None:
+        said += [_turn_verdict(comparison.cycle), _map_verdict(comparison.cycle)]
+    if comparison.orientations is not None:
+        said.append(_histogram_verdict(comparison.orientations))
+    if comparison.directions is not None:
+        said += map(_direction_verdict, comparison.directions.matches)
+    if comparison.staircase is not None:
+        asked = comparison.staircase.quantities.items()
         answers = (_staircase_verdict(_QUANTITIES[name], quantity) for name, quantity in asked)
         said += [answer for answer in answers if answer is not None]
     return tuple(said)
 
 
-def told_sets(found: Comparison) -> list[tuple[str, tuple[QuantityAgreement, ...]]]:
+def told_sets(comparison: Comparison) -> list[tuple[str, tuple[QuantityAgreement, ...]]]:
     """Return the sets of pushes by name with their quantities; more than three are taken
     together.
     """
-    if len(found.pushes) > MOST_SETS:
-        return [(f" in {len(found.pushes)} sets", pooled_quantities(found.pushes))]
-    return [(pushes.name, pushes.quantities) for pushes in found.pushes]
+    if len(comparison.pushes) > MOST_SETS:
+        return [(f" in {len(comparison.pushes)} sets", pooled_quantities(comparison.pushes))]
+    return [(pushes.name, pushes.quantities) for pushes in comparison.pushes]
 
 
-def _pooled_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+def _pooled_verdict(agreement: QuantityAgreement, whose: str) -> Verdict:
     """How near the law comes to single pushes of several protocols, whose means cancel: nothing is
     tested.
     """
-    told = _QUANTITIES[found.name]
-    error = "" if found.bias_error is None else f" ± {told.value(found.bias_error)}"
+    quantity = _QUANTITIES[agreement.name]
+    error = "" if agreement.bias_error is None else f" ± {quantity.value(agreement.bias_error)}"
     words = (
-        f"Over {found.count} pushes{whose} the {told.name} is predicted with RMSE "
-        f"{told.value(found.rmse)}, bias {told.value(found.bias)}{error}; its standard deviation "
-        f"is {told.value(found.measured_std)}."
+        f"Over {agreement.count} pushes{whose} the {quantity.name} is predicted with RMSE "
+        f"{quantity.value(agreement.rmse)}, bias {quantity.value(agreement.bias)}{error}; its "
+        f"standard deviation is {quantity.value(agreement.measured_std)}."
     )
-    return Verdict(f"{told.name}{whose}", None, words)
+    return Verdict(f"{quantity.name}{whose}", None, words)
 
 
-def _mean_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+def _mean_verdict(agreement: QuantityAgreement, whose: str) -> Verdict:
     """Whether the mean agrees, and how near the law comes to the single pushes."""
-    told = _QUANTITIES[found.name]
-    error = _error(found)
-    over = f"over {found.count} pushes{', ' if error else ''}{error}"
-    rmse, least = told.value(found.rmse), told.value(found.measured_std)
+    quantity = _QUANTITIES[agreement.name]
+    error = _error(agreement)
+    over = f"over {agreement.count} pushes{', ' if error else ''}{error}"
+    rmse, least = quantity.value(agreement.rmse), quantity.value(agreement.measured_std)
     # In per cent of the mean, too, unless that mean is nothing beside the spread.
-    if found.std_percent < 100.0:
-        rmse, least = f"{rmse} ({found.percent:.1f} %)", f"{least} ({found.std_percent:.1f} %)"
-    better = "below" if found.explains else "not below"
-    question = f"mean {told.name}{whose}"
+    if agreement.std_percent < 100.0:
+        rmse, least = (
+            f"{rmse} ({agreement.percent:.1f} %)",
+            f"{least} ({agreement.std_percent:.1f} %)",
+        )
+    better = "below" if agreement.explains else "not below"
+    question = f"mean {quantity.name}{whose}"
     words = (
-        f"The {question} {_means(found)} {over}; RMSE {rmse}, {better} the {least} that a law "
+        f"The {question} {_means(agreement)} {over}; RMSE {rmse}, {better} the {least} that a law "
         "blind to θ0 can reach."
     )
-    return Verdict(question, found.agrees, words)
+    return Verdict(question, agreement.agrees, words)
 
 
-def _means(found: QuantityAgreement) -> str:
-    told = _QUANTITIES[found.name]
-    kept = {True: "agrees within its error", False: "is off", None: "is"}[found.agrees]
-    measured, predicted = told.value(found.measured_mean), told.value(found.predicted_mean)
+def _means(agreement: QuantityAgreement) -> str:
+    quantity = _QUANTITIES[agreement.name]
+    kept = {True: "agrees within its error", False: "is off", None: "is"}[agreement.agrees]
+    measured, predicted = (
+        quantity.value(agreement.measured_mean),
+        quantity.value(agreement.predicted_mean),
+    )
     return f"{kept}: {measured} measured, {predicted} predicted"
 
 
-def _error(found: QuantityAgreement) -> str:
+def _error(agreement: QuantityAgreement) -> str:
     """The error of a difference, and how much of it is that of the material's parameters."""
-    if found.bias_error is None:
+    if agreement.bias_error is None:
         return ""
-    told = _QUANTITIES[found.name]
-    is_seen = told.scale * found.model_error >= 0.005
-    of_model = f", {told.value(found.model_error)} of it the material's" if is_seen else ""
-    return f"error of the difference {told.value(found.bias_error)}{of_model}"
+    quantity = _QUANTITIES[agreement.name]
+    is_seen = quantity.scale * agreement.model_error >= 0.005
+    of_model = f", {quantity.value(agreement.model_error)} of it the material's" if is_seen else ""
+    return f"error of the difference {quantity.value(agreement.bias_error)}{of_model}"
 
 
 def _ends_verdict(pushes: tuple[PushAgreement, ...]) -> Verdict:
@@ -165,35 +171,35 @@ def _ends_verdict(pushes: tuple[PushAgreement, ...]) -> Verdict:
     return Verdict("ends of pushes", None, words)
 
 
-def _turn_verdict(found: CycleAgreement) -> Verdict:
-    error = _error(found.turn)
-    words = f"The mean turn of a cycle {_means(found.turn)}{f' ({error})' if error else ''}."
-    return Verdict("mean turn of a cycle", found.turn.agrees, words)
+def _turn_verdict(agreement: CycleAgreement) -> Verdict:
+    error = _error(agreement.turn)
+    words = f"The mean turn of a cycle {_means(agreement.turn)}{f' ({error})' if error else ''}."
+    return Verdict("mean turn of a cycle", agreement.turn.agrees, words)
 
 
-def _map_verdict(found: CycleAgreement) -> Verdict:
-    agreement = found.agreement
+def _map_verdict(cycle: CycleAgreement) -> Verdict:
+    agreement = cycle.agreement
     misfit = f"{agreement.pairs} cycles lie {angle(agreement.rms)} RMS from the map"
-    if found.isotropic_rms is not None:
-        misfit += f" (isotropic friction {angle(found.isotropic_rms)})"
+    if cycle.isotropic_rms is not None:
+        misfit += f" (isotropic friction {angle(cycle.isotropic_rms)})"
     if agreement.bins:
         misfit += f", the medians of {agreement.bins} directions {angle(agreement.bin_rms)}"
-    if found.scatter is not None:
-        misfit += f"; about the best smooth map of θ0 they scatter by {angle(found.scatter)}"
-    if found.p_value is None:
+    if cycle.scatter is not None:
+        misfit += f"; about the best smooth map of θ0 they scatter by {angle(cycle.scatter)}"
+    if cycle.p_value is None:
         open_words = f"{misfit}; their order is unknown, so the map is not tested."
         return Verdict("cycle map", None, open_words)
     return Verdict(
-        "cycle map", _kept(found.p_value), f"The map {_tested(found.p_value)}: {misfit}."
+        "cycle map", _kept(cycle.p_value), f"The map {_tested(cycle.p_value)}: {misfit}."
     )
 
 
-def _histogram_verdict(found: OrientationAgreement) -> Verdict:
+def _histogram_verdict(agreement: OrientationAgreement) -> Verdict:
     """By Watson's test, the others told beside it: one test decides, so that the level holds."""
-    tests = found.tests
+    tests = agreement.tests
     kept = _kept(tests["watson"])
     words = (
-        f"The histogram of {found.count} directions {'agrees' if kept else 'is rejected'} by "
+        f"The histogram of {agreement.count} directions {'agrees' if kept else 'is rejected'} by "
         f"Watson's test ({_p(tests['watson'])}): Wasserstein distance "
         f"{angle(tests['wasserstein'].statistic)} ({_p(tests['wasserstein'])}), total variation "
         f"{tests['total_variation'].statistic:.2f} ({_p(tests['total_variation'])}), Kuiper "
@@ -202,52 +208,55 @@ def _histogram_verdict(found: OrientationAgreement) -> Verdict:
     return Verdict("histogram of directions", kept, words)
 
 
-def _direction_verdict(found: DirectionMatch) -> Verdict:
-    place = f"{_KINDS[found.kind]} at {_DEG * found.centre % 360.0:.1f}°"
-    if found.predicted_mode is None or found.measured_mode is None or found.difference is None:
+def _direction_verdict(match: DirectionMatch) -> Verdict:
+    place = f"{_KINDS[match.kind]} at {_DEG * match.centre % 360.0:.1f}°"
+    if match.predicted_mode is None or match.measured_mode is None or match.difference is None:
         words = f"The predicted {place} has no peak of a histogram to be set beside."
         return Verdict(place, None, words)
-    predicted, measured = found.predicted_mode, found.measured_mode
-    off = f"{round(_DEG * found.difference, 1) + 0.0:+.1f}° off".replace("-", "−")
-    tested = "" if found.p_value is None else f" ({_p(found.p_value)})"
+    predicted, measured = match.predicted_mode, match.measured_mode
+    off = f"{round(_DEG * match.difference, 1) + 0.0:+.1f}° off".replace("-", "−")
+    tested = "" if match.p_value is None else f" ({_p(match.p_value)})"
     words = (
         f"The predicted {place} makes a predicted peak at {_DEG * predicted % 360.0:.1f}°, "
         f"measured at {_DEG * measured % 360.0:.1f}°: {off}{tested}."
     )
-    return Verdict(place, None if found.p_value is None else _kept(found.p_value), words)
+    return Verdict(place, None if match.p_value is None else _kept(match.p_value), words)
 
 
-def _staircase_verdict(quantity: _Told, found: SimulatedQuantity) -> Verdict | None:
+def _staircase_verdict(quantity: _Quantity, simulated: SimulatedQuantity) -> Verdict | None:
     """The verdict on a number of the staircase; None where it is no question."""
-    digits = _telling_digits(quantity, found)
-    if digits is None or (found.measured is None and found.predicted is None):
+    digits = _telling_digits(quantity, simulated)
+    if digits is None or (simulated.measured is None and simulated.predicted is None):
         return None
-    measured = "none" if found.measured is None else quantity.value(found.measured, digits)
-    if found.predicted is None or found.lower is None or found.upper is None:
+    measured = "none" if simulated.measured is None else quantity.value(simulated.measured, digits)
+    if simulated.predicted is None or simulated.lower is None or simulated.upper is None:
         words = f"The {quantity.name}: {measured} measured, none in any simulated collection."
         return Verdict(quantity.name, None, words)
-    tested = "" if found.p_value is None else f" {_tested(found.p_value)}"
+    tested = "" if simulated.p_value is None else f" {_tested(simulated.p_value)}"
     words = (
         f"The {quantity.name}{tested}: {measured} measured, "
-        f"{quantity.value(found.predicted, digits)} predicted (95 % of collections: "
-        f"{quantity.number(found.lower, digits)} to {quantity.number(found.upper, digits)})."
+        f"{quantity.value(simulated.predicted, digits)} predicted (95 % of collections: "
+        f"{quantity.number(simulated.lower, digits)} to "
+        f"{quantity.number(simulated.upper, digits)})."
     )
-    return Verdict(quantity.name, None if found.p_value is None else _kept(found.p_value), words)
+    return Verdict(
+        quantity.name, None if simulated.p_value is None else _kept(simulated.p_value), words
+    )
 
 
-def _telling_digits(quantity: _Told, found: SimulatedQuantity) -> int | None:
+def _telling_digits(quantity: _Quantity, simulated: SimulatedQuantity) -> int | None:
     """How many decimals show that the interval has a width; None where none does and the data lie
     in it, to rounding.
 
     All collections then have the number, the measured one among them, and nothing could be seen to
     fail.
     """
-    if found.lower is None or found.upper is None or found.measured is None:
+    if simulated.lower is None or simulated.upper is None or simulated.measured is None:
         return quantity.least
-    values = (found.measured, found.lower, found.upper)
+    values = (simulated.measured, simulated.lower, simulated.upper)
     for digits in range(quantity.least, quantity.most + 1):
         shown, lowest, highest = (quantity.number(value, digits) for value in values)
-        is_inside = found.lower <= found.measured <= found.upper
+        is_inside = simulated.lower <= simulated.measured <= simulated.upper
         if lowest != highest and (shown not in (lowest, highest) or is_inside):
             return digits
     measured, low, high = (round(quantity.scale * value, quantity.most) for value in values)
@@ -256,15 +265,15 @@ def _telling_digits(quantity: _Told, found: SimulatedQuantity) -> int | None:
     return None if low == high and abs(measured - low) <= rounding else quantity.most
 
 
-def _kept(found: PValue) -> bool:
-    return found.value > LEVEL
+def _kept(p_value: PValue) -> bool:
+    return p_value.value > LEVEL
 
 
-def _tested(found: PValue) -> str:
-    return f"agrees ({_p(found)})" if _kept(found) else f"is rejected at {_p(found)}"
+def _tested(p_value: PValue) -> str:
+    return f"agrees ({_p(p_value)})" if _kept(p_value) else f"is rejected at {_p(p_value)}"
 
 
-def _p(found: PValue) -> str:
+def _p(p_value: PValue) -> str:
     """A p-value, and where none of the runs came near, that it may be smaller."""
-    least = 1.0 / (found.runs + 1)
-    return f"p {'≤' if found.value <= least * (1.0 + 1e-9) else '='} {found.value:.2g}"
+    least = 1.0 / (p_value.runs + 1)
+    return f"p {'≤' if p_value.value <= least * (1.0 + 1e-9) else '='} {p_value.value:.2g}"

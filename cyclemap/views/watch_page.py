@@ -14,18 +14,35 @@ from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.resets.audit import Audit, ResetEffect
-from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.orientation import CIRCLE
+from cyclemap.views.panels.style import (
+    BARS,
+    DOTS,
+    EVEN,
+    FORCE,
+    INK,
+    LINE,
+    MEASURED_EDGE,
+    PREDICTED,
+    SECOND,
+    THETA0,
+    THIRD,
+    Look,
+    count_axis,
+    picture_style,
+    say,
+    whole_turn_ticks,
+)
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 # The panels of a course: the third is round.
-_COURSE: style.Look = {"polar": "c", "width_ratios": (1.9, 1.0)}
+_COURSE: Look = {"polar": "c", "width_ratios": (1.9, 1.0)}
 
 
-@style.picture_style()
+@picture_style()
 def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -> Figure:
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of
     its file.
@@ -34,14 +51,14 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
     foot = "chance of an alarm, however long the collection, where no orientation lingers:"
     foot = f"{foot} {monitor.alarm_rate:g} at most"
-    figure, panels = style.page("ac;bd", title, watch_sentences(last), foot, **_COURSE)
+    figure, panels = page("ac;bd", title, watch_sentences(last), foot, **_COURSE)
     axes = draw_course(panels, monitor.path, reports)
     rest = [report.rest_evidence for report in reports]
     visits = [report.visit_evidence for report in reports]
-    axes.plot(rest, label="of a rest", **style.LINE)
-    axes.plot(visits, label="of visits gathering", **style.THIRD)
+    axes.plot(rest, label="of a rest", **LINE)
+    axes.plot(visits, label="of visits gathering", **THIRD)
     label = f"alarm, rate {monitor.alarm_rate:g}"
-    axes.axhline(last.threshold, label=label, **style.SECOND)
+    axes.axhline(last.threshold, label=label, **SECOND)
     if last.alarm is not None:
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
     # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any
@@ -53,8 +70,8 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     axes.yaxis.set_major_locator(FixedLocator(powers))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-    style.count_axis(axes, "push", len(reports))
-    style.entitle(axes, "Evidence")
+    count_axis(axes, "push", len(reports))
+    entitle(axes, "Evidence")
     return figure
 
 
@@ -78,14 +95,14 @@ def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     axes.plot(np.degrees(theta) % 360.0, ".", color=MEASURED_EDGE, markersize=size, zorder=2)
     if last.alarm is not None:
         for direction in last.alarm.directions:
-            axes.axhline(np.degrees(direction), **{**style.THIRD, "linewidth": 1.0, "zorder": 1})
+            axes.axhline(np.degrees(direction), **{**THIRD, "linewidth": 1.0, "zorder": 1})
         towards = directions(last.alarm.directions)
         label = f"alarm at push {last.alarm.push}, towards {towards}"
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6, label=label, zorder=3)
-    axes.set_ylabel(style.THETA0)
-    style.whole_turn_ticks(axes)
-    style.count_axis(axes, "push", len(theta))
-    style.entitle(axes, "Orientations")
+    axes.set_ylabel(THETA0)
+    whole_turn_ticks(axes)
+    count_axis(axes, "push", len(theta))
+    entitle(axes, "Orientations")
 
 
 def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
@@ -94,11 +111,18 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """
     histogram, aim = angle_histogram(np.mod(theta, TWO_PI), 36), last.advice.direction
     radii = np.sqrt(histogram.density * TWO_PI)
-    axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **style.BARS)
-    axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **style.EVEN)
+    axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **BARS)
+    axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **EVEN)
     top = 1.12 * max(float(radii.max()), 1.2)
-    look: style.Look = {"label": f"least covered: {angle(aim, 0)}", "clip_on": False}
-    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, **look)
+    axes.plot(
+        [aim],
+        [top],
+        "v",
+        ms=9,
+        color=PREDICTED,
+        label=f"least covered: {angle(aim, 0)}",
+        clip_on=False,
+    )
     axes.set(ylim=(0.0, top), yticklabels=[], xticks=np.radians(range(0, 360, 45)))
     axes.tick_params(axis="x", pad=1)
     axes.set_title("Directions recorded", loc="left", x=-0.62, y=1.0)
@@ -108,12 +132,12 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
 def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     """Draw what the pushes recorded so far are worth, after each."""
     pushes = len(effective)
-    axes.plot([0, pushes], [0, pushes], label="spread evenly", **style.EVEN)
+    axes.plot([0, pushes], [0, pushes], label="spread evenly", **EVEN)
     axes.plot(np.arange(1, pushes + 1), effective, color=INK, linewidth=1.8, label="recorded")
     axes.set_ylabel("worth, in pushes spread evenly")
     axes.set_ylim(bottom=0.0)
-    style.count_axis(axes, "pushes recorded", pushes)
-    style.entitle(axes, "What the pushes are worth")
+    count_axis(axes, "pushes recorded", pushes)
+    entitle(axes, "What the pushes are worth")
 
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:
@@ -127,8 +151,8 @@ def watch_sentences(report: BiasReport) -> tuple[str, ...]:
             f"{2.0 * 10.0**-report.threshold:g}"
         )
         verdict = f"No alarm in {_pushes(report.push + 1)}: evidence {evidence} {needed}."
-    told = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
-    return tuple(filter(None, told))
+    sentences = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
+    return tuple(filter(None, sentences))
 
 
 def alarm_sentence(alarm: Alarm) -> str:
@@ -204,63 +228,63 @@ def _power(log10: float) -> str:
 _LOCKED = 0.8
 
 
-def audit_headline(found: Audit) -> str:
+def audit_headline(audit: Audit) -> str:
     """Whether the data set can be used as it is."""
-    if found.is_good:
-        return f"{found.name}: the orientations are spread well"
-    if found.locked_from is not None:
-        how = "locks in" if found.gathered > _LOCKED else "lingers"
-        return f"{found.name}: {how} from push {found.locked_from} on"
-    return f"{found.name}: the orientations are not spread over the circle"
+    if audit.is_good:
+        return f"{audit.name}: the orientations are spread well"
+    if audit.locked_from is not None:
+        how = "locks in" if audit.gathered > _LOCKED else "lingers"
+        return f"{audit.name}: {how} from push {audit.locked_from} on"
+    return f"{audit.name}: the orientations are not spread over the circle"
 
 
-def audit_paragraph(found: Audit) -> str:
+def audit_paragraph(audit: Audit) -> str:
     """What stands on the data set's card: cover, lock-in, worth, what the reset did, what to
     change.
     """
-    pushes, others = len(found.theta), found.others
+    pushes, others = len(audit.theta), audit.others
     of = f" (and {others} pushes of other sets, not looked at)" if others else ""
-    cover = f"The orientations of the object before {pushes} pushes{of} {_covering(found)}."
+    cover = f"The orientations of the object before {pushes} pushes{of} {_covering(audit)}."
     worth = (
         f"The {pushes} pushes tell as much of how motion depends on orientation as "
-        f"{found.worth:.0f} spread evenly."
+        f"{audit.worth:.0f} spread evenly."
     )
-    return " ".join([cover, _gathering(found), worth, _undone(found), _change(found)])
+    return " ".join([cover, _gathering(audit), worth, _undone(audit), _change(audit)])
 
 
-def _covering(found: Audit) -> str:
-    state, arcs = found.report.coverage, found.covered
+def _covering(audit: Audit) -> str:
+    state, arcs = audit.report.coverage, audit.covered
     if len(arcs) == 1 and arcs[0][1] - arcs[0][0] > 6.28:
         return (
             f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
             f"{angle(state.gap_centre, 0)}"
         )
-    told = ", ".join(
+    arc_words = ", ".join(
         f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in arcs[:4]
     )
     more = f" and {len(arcs) - 4} arcs more" if len(arcs) > 4 else ""
-    return f"cover {told}{more}: {state.covered:.0%} of the circle is within 5° of one"
+    return f"cover {arc_words}{more}: {state.covered:.0%} of the circle is within 5° of one"
 
 
-def _gathering(found: Audit) -> str:
-    alarm, start = found.report.alarm, found.locked_from
-    if not found.ordered:
+def _gathering(audit: Audit) -> str:
+    alarm, start = audit.report.alarm, audit.locked_from
+    if not audit.ordered:
         return "Their order is not known, so that nothing can be said of when they gathered."
     if alarm is None or start is None:
-        return f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
-    how = "lock in" if found.gathered > _LOCKED else "linger again and again"
+        return f"Nothing shows that they lock in (at an alarm rate of {audit.alarm_rate:g})."
+    how = "lock in" if audit.gathered > _LOCKED else "linger again and again"
     return (
         f"From push {start} on they {how} about {directions(alarm.directions)}: "
-        f"{found.gathered:.0%} of the {len(found.theta) - start} pushes from there on lie within "
+        f"{audit.gathered:.0%} of the {len(audit.theta) - start} pushes from there on lie within "
         "10° of it."
     )
 
 
-def _change(found: Audit) -> str:
-    start, aim = found.locked_from, angle(found.report.coverage.least_covered, 0)
-    if found.is_good:
+def _change(audit: Audit) -> str:
+    start, aim = audit.locked_from, angle(audit.report.coverage.least_covered, 0)
+    if audit.is_good:
         return f"Nothing needs to change; the orientation least covered is {aim}."
-    if start is not None and found.gathered > _LOCKED:
+    if start is not None and audit.gathered > _LOCKED:
         return (
             f"Weigh what follows push {start} less, or leave it out; for more data change the "
             f"reset (cyclemap reset finds one) and begin at {aim}, the orientation least covered."
@@ -271,9 +295,9 @@ def _change(found: Audit) -> str:
     )
 
 
-def _undone(found: Audit) -> str:
-    reset: ResetEffect | None = found.reset
-    if reset is None and found.posed:
+def _undone(audit: Audit) -> str:
+    reset: ResetEffect | None = audit.reset
+    if reset is None and audit.posed:
         return (
             "What the reset did cannot be said: poses before and after pushes are there, but not "
             "in a row of pushes that follow each other: it takes their numbers, a column rep, and "
@@ -290,21 +314,21 @@ def _undone(found: Audit) -> str:
     )
 
 
-@style.picture_style()
-def audit_page(found: Audit) -> Figure:
+@picture_style()
+def audit_page(audit: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its
     push's.
     """
-    title, words = audit_headline(found), [audit_paragraph(found)]
-    figure, panels = style.page("ac;bd", title, words, **_COURSE)
-    reset = draw_course(panels, found.theta, found.reports)
-    if found.reset is None:
+    title, words = audit_headline(audit), [audit_paragraph(audit)]
+    figure, panels = page("ac;bd", title, words, **_COURSE)
+    reset = draw_course(panels, audit.theta, audit.reports)
+    if audit.reset is None:
         reset.axis("off")
-        style.say(reset, "no poses after pushes: what the reset did is unknown")
+        say(reset, "no poses after pushes: what the reset did is unknown")
         return figure
-    push, back = np.degrees([found.reset.push_turn, found.reset.reset_turn])
-    reset.plot(push, back, label="measured", **style.DOTS)
-    reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **style.SECOND)
+    push, back = np.degrees([audit.reset.push_turn, audit.reset.reset_turn])
+    reset.plot(push, back, label="measured", **DOTS)
+    reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **SECOND)
     reset.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)")
-    style.entitle(reset, "What the reset did")
+    entitle(reset, "What the reset did")
     return figure

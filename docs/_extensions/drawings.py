@@ -7,7 +7,8 @@ from pathlib import Path
 
 from sphinx.application import Sphinx
 
-from cyclemap.views.style import picture_style, render
+from cyclemap.views.panels.layout import render
+from cyclemap.views.panels.style import picture_style
 
 DRAWN = Path("_build") / "drawn"
 

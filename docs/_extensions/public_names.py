@@ -1,5 +1,5 @@
-"""Signatures as people read them: arrays without their insides, and links to where a name is
-public.
+"""Signatures and docstrings as people read them: arrays without their insides, links to where a
+name is public, and no mark of reStructuredText but code.
 """
 
 import re
@@ -8,6 +8,7 @@ from typing import Any
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
+from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import cyclemap
 
@@ -15,6 +16,49 @@ ARRAY_LIKE = re.compile(r"~?[\w.]*Buffer \| .*?_NestedSequence\[complex \| bytes
 ARRAY = re.compile(
     r"~?(?:numpy\.)?ndarray\[tuple\[.*?\.\.\.\], ~?(?:numpy\.)?dtype\[[^\[\]]*(?:\[[^\]]*\])?\]\]"
 )
+
+
+# Types are words for people: no links.
+SECTIONS = Config(
+    napoleon_use_param=False,
+    napoleon_use_rtype=False,
+    napoleon_custom_sections=[("Attributes", "params_style")],
+)
+CODE = re.compile(r"(``.+?``|`[^`\s][^`]*`)")
+
+
+def as_text(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Mark a docstring's code as code, and nothing else, outside its examples; then have its
+    sections, NumPy's, as lists. Those of attributes are a sentence, in which a colon is none of a
+    type.
+    """
+    example = False
+    for index, line in enumerate(lines):
+        example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
+        if not example:
+            lines[index] = marked(line)
+    if what not in ("attribute", "data", "property"):
+        lines[:] = NumpyDocstring(lines, SECTIONS, app, what, name, thing, options).lines()
+
+
+def marked(line: str) -> str:
+    """A line with names in backticks as code, or as links where they are public, and all else as it
+    stands.
+
+    >>> marked("`theta`, |f'| of `CircleMap` * 2")
+    "``theta``, \\\\|f'\\\\| of :py:obj:`~cyclemap.CircleMap` \\\\* 2"
+    """
+    words = []
+    for part in CODE.split(line):
+        name = part.strip("`")
+        if not CODE.fullmatch(part):
+            words.append(re.sub(r"([|*])", r"\\\1", part))
+        else:
+            public = name in cyclemap.__all__
+            words.append(f":py:obj:`~cyclemap.{name}`" if public else f"``{name}``")
+    return "".join(words)
 
 
 def short_types(
@@ -63,7 +107,8 @@ def public_link(app: Sphinx, env: Any, node: Any, content: nodes.Node) -> nodes.
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Mend the types in signatures."""
+    """Mend docstrings and the types in signatures."""
+    app.connect("autodoc-process-docstring", as_text)
     app.connect("autodoc-process-signature", short_types)
     app.connect("doctree-read", short_properties)
     app.connect("missing-reference", public_link)

@@ -9,15 +9,8 @@ from matplotlib.patches import Arc, Circle, Ellipse, Polygon
 
 import cyclemap as cm
 from cyclemap.collection.cycle_scene import StrokeScene, placed
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    new_figure,
-)
+from cyclemap.views.panels.layout import new_figure
+from cyclemap.views.panels.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 THETA0 = math.radians(30)
 MM = 1000.0

@@ -10,17 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 import cyclemap as cm
-from cyclemap.evidence.pushes.planned_table import mark_columns, marks_of
+from cyclemap.evidence.tables.planned_table import mark_columns, marks_of
 from cyclemap.mechanics import Pose, SidePush, Slider
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    arrow,
-    new_figure,
-)
+from cyclemap.views.panels.layout import new_figure
+from cyclemap.views.panels.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, arrow
 
 MM = 1000.0
 START = Pose(0.13, 0.18, math.radians(30.0))

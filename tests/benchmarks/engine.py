@@ -15,6 +15,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -22,6 +23,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.collection import CollectionLoop, fingerprint, run_cycles
 from cyclemap.evidence.data_blocks.stroke_block import push_end_block, surface_model
@@ -42,6 +44,7 @@ from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.schema import PARAMETERS
 from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE, thread_count
+from cyclemap.mechanics.foundation import FLAT
 from tests.benchmarks.timing import Row, in_turns, map_alone, seconds, show
 
 MIT = CollectionLoop.mit()
@@ -142,6 +145,36 @@ def footprint_rows() -> list[Row]:
     return rows
 
 
+def shape_rows(rounds: int = 7) -> list[Row]:
+    """Pushes at 1e-8 on floors and of plates that are not flat, beside the plain square's, all in
+    turns.
+    """
+    names, runs = [], []
+    for plate in ("rect1", "tri1", "hex", "ellip2"):
+        slider = Slider.mit(plate)
+        flat = CollectionLoop.mit("isotropic", slider=slider)
+        loops = {"flat": replace(flat, footprint=PatchFootprint(slider.outline))}
+        for floor in ("plywood-floor", "abs-floor"):
+            loops[f"on {floor}, place and all"] = loop = CollectionLoop.mit(floor, slider=slider)
+            both = replace(loop.footprint, field=None)
+            loops[f"shape of {floor} and plate"] = replace(flat, footprint=both)
+            alone = replace(both, plate=FLAT)
+            loops[f"shape of {floor}"] = replace(flat, footprint=alone)
+        for name, loop in loops.items():
+            names.append(f"{plate}, {name}")
+            runs.append(pushes(loop, THETA))
+    taken = in_turns(runs, rounds, time.process_time)
+    rows = zip(names, taken, strict=True)
+    return [Row(name, each / THETA.size, "a push at 1e-8") for name, each in rows]
+
+
+def pushes(loop: CollectionLoop, theta: NDArray[np.float64]) -> Callable[[], object]:
+    """Pushes alone, without the way back, from all orientations in one call."""
+    strokes = replace(loop.model.push_strokes(Pose(), loop.push), with_object=True)
+    poses = np.column_stack([np.zeros((theta.size, 2)), theta])
+    return partial(engine.run, [strokes], np.zeros(theta.size, int), poses)
+
+
 def push_rows() -> list[Row]:
     """Pushes at the coarsest accuracy at which no corner of the object ends more than 10 µm off."""
     theta = np.linspace(-math.pi, math.pi, 400)
@@ -153,13 +186,7 @@ def push_rows() -> list[Row]:
         worst = float((moved + half_diagonal * np.abs(found.push_turn - exact.push_turn)).max())
         if worst <= 10e-6:
             note = f"push, corners off by {1e6 * worst:.2g} µm at most (accuracy {accuracy:.1e})"
-            # Pushes alone, without the way back, from all orientations in one call.
-            strokes = replace(loop.model.push_strokes(Pose(), loop.push), with_object=True)
-            number, poses = (
-                np.zeros(theta.size, int),
-                np.column_stack([np.zeros((theta.size, 2)), theta]),
-            )
-            return [row(note, partial(engine.run, [strokes], number, poses), theta.size)]
+            return [row(note, pushes(loop, theta), theta.size)]
     return []
 
 
@@ -296,6 +323,7 @@ def main() -> None:
     os.environ[THREADS_VARIABLE] = "1"
     show("cycles", cycle_rows())
     show("footprints, cycles at 1e-8", footprint_rows())
+    show("shapes of floor and plate, pushes at 1e-8", shape_rows())
     show("pushes to 10 µm", push_rows())
     del os.environ[THREADS_VARIABLE]
     show("maps", map_rows())

@@ -38,7 +38,7 @@ import pandas as pd
 
 import cyclemap as cm
 from cyclemap.arrays import shorter_way
-from cyclemap.collection.uncertain_directions import sampled_loop
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.data_blocks.stroke_block import loop_on
 from cyclemap.evidence.identification.identify import Identification
@@ -60,7 +60,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     target_of,
 )
 from cyclemap.evidence.pushes.measured_strokes import SET_OFF, push_noise
-from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
+from cyclemap.evidence.tables.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
 
@@ -87,7 +87,7 @@ def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfacePar
     """
     count = len(loop.material.posterior)
     floor, plate = (
-        starting_space(sampled_loop(loop, int(number))).nominal
+        starting_space(on_material(loop, loop.material.sample(int(number)))).nominal
         for number in rng.integers(0, count, 2)
     )
     values = floor | {name: plate[name] for name in PLATE_NAMES}

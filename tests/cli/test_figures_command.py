@@ -6,7 +6,6 @@ import csv
 import io
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,8 +14,8 @@ from PIL import Image
 from cyclemap.cli import run_figures as command
 from cyclemap.cli.main import run
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Frame, entries
-from cyclemap.views.style import new_figure
+from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Exhibit, Frame, entries
+from cyclemap.views.panels.layout import new_figure
 
 KEYS = ["name", "title", "source", "caption", "file", "measured"]
 
@@ -32,7 +31,7 @@ def here(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def _figure(fails: bool = False) -> SimpleNamespace:
+def _figure(fails: bool = False) -> Exhibit:
     """It asks for a data file and counts its lines, or fails."""
 
     def compute(measured):
@@ -41,32 +40,32 @@ def _figure(fails: bool = False) -> SimpleNamespace:
         file = measured.find("given.csv")
         return 0 if file is None else len(file.read_text().splitlines())
 
-    return SimpleNamespace(
+    return Exhibit(
         compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines."
     )
 
 
-def _table() -> SimpleNamespace:
+def _table() -> Exhibit:
     rows = [
         ("plywood, table I", "0.2545"),
         ("a surface whose name is longer than a narrow terminal is wide", "0.25"),
     ]
-    return SimpleNamespace(
+    return Exhibit(
         compute=lambda _: rows,
-        HEADER=("surface", "μa"),
+        header=("surface", "μa"),
         rows=lambda found: found,
         caption=lambda _: "Friction.",
     )
 
 
-def _animation() -> SimpleNamespace:
+def _animation() -> Exhibit:
     def frames(result):
         for place in range(result):
             pixels = np.full((6, 6, 3), 255, dtype=np.uint8)
             pixels[place] = 0
             yield Frame(pixels, 0.1)
 
-    return SimpleNamespace(compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
+    return Exhibit(compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
 
 
 def test_without_a_name_all_are_listed_with_source_and_title(capsys) -> None:

@@ -15,7 +15,7 @@ import pytest
 import cyclemap as cm
 from cyclemap.cli.main import run
 from cyclemap.evidence import plan_pushes
-from cyclemap.evidence.pushes.planned_table import mark_columns, marks_of
+from cyclemap.evidence.tables.planned_table import mark_columns, marks_of
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.protocol import loop_from_settings
 

@@ -143,6 +143,5 @@ def test_batches_that_cannot_be_are_refused_and_progress_reaches_one_in_even_ste
     for run in (batch_experiment, lambda loop: run_batches(loop, [0.0])):
         refused(run, "plywood", told=r"CollectionLoop\.mit.*not 'plywood'")
     refused(run_batches, loop, [], told="at least one orientation")
-    refused(still().anisotropic.directions, within=0.0, told="within")
     batch_experiment(replace(on_points(loop), accuracy=1e-4), 2, 2, told.append)
     assert told == pytest.approx(np.arange(1, 9) / 8)

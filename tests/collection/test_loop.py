@@ -130,7 +130,7 @@ def test_nothing_to_run_is_no_cycles():
 def test_what_is_no_batch_is_refused():
     """A cycle's refusal is told as that of the cycle, with the number of its loop."""
     for loops, theta, told in (
-        ([MIT, "plywood"], [0.0], "loop 1 must be a CollectionLoop, not 'plywood'"),
+        ([MIT, "plywood"], [0.0], "must be a CollectionLoop, such as .*, not 'plywood'"),
         ([MIT], 0.0, r"shape \(n,\) for all loops or \(1, n\), one row a loop, not \(\)"),
         ([MIT, MIT], np.zeros((3, 2)), r"or \(2, n\), one row a loop, not \(3, 2\)"),
         ([MIT], [math.nan], "theta must be finite"),

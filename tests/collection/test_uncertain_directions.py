@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.uncertain_directions import sampled_loop
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import WrappedNormal, fixed_points, response
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -38,7 +38,10 @@ def drawn(base: Material, size: float, rows: int, seed: int) -> Material:
 
 def loops_of(loop: CollectionLoop) -> list[CollectionLoop]:
     assert loop.material.posterior is not None
-    return [sampled_loop(loop, number) for number in range(len(loop.material.posterior))]
+    return [
+        on_material(loop, loop.material.sample(number))
+        for number in range(len(loop.material.posterior))
+    ]
 
 
 def on(material: Material, ring: float = 1.0) -> CollectionLoop:
@@ -114,11 +117,11 @@ def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     material = drawn(load_material("plywood"), 1.0, 3, 5)
     place = material.posterior.parameters.index("pusher_mu")
     assert (
-        sampled_loop(CollectionLoop.mit(material), 1).pusher.friction
+        on_material(CollectionLoop.mit(material), material.sample(1)).pusher.friction
         == material.posterior.samples[1][place]
     )
     loop = loop_from_settings({"pusher_mu": 0.3, "rim_share": 0.7}, CollectionLoop.mit(material))
-    sample = sampled_loop(loop, 1)
+    sample = on_material(loop, loop.material.sample(1))
     assert (sample.pusher, sample.footprint) == (loop.pusher, loop.footprint)
     assert sample.material.friction == material.sample(1).friction != loop.material.friction
 
@@ -129,7 +132,7 @@ def test_shapes_that_are_the_materials_but_for_an_objects_weight_vary_with_its_s
     for number in (0, 1):
         sample = loop.material.sample(number)
         expected = replace(loop, footprint=None).with_material(sample).footprint
-        assert sampled_loop(loop, number).footprint.is_near(expected)
+        assert on_material(loop, loop.material.sample(number)).footprint.is_near(expected)
         assert not expected.is_near(loop.footprint)
 
 

@@ -8,8 +8,8 @@ import pytest
 from drawn_words import assert_words_apart, words_of_figure
 
 import cyclemap as cm
-from cyclemap.evidence.pushes.planned_table import mark_columns
-from cyclemap.views.style import picture_style
+from cyclemap.evidence.tables.planned_table import mark_columns
+from cyclemap.views.panels.style import picture_style
 
 FOLDER = Path(__file__).parents[2] / "docs" / "_figures"
 

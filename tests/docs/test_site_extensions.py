@@ -3,12 +3,10 @@
 import doctest
 from xml.etree import ElementTree
 
-import house_docstrings
 import mathml_math
 import public_names
 import pytest
 import rooms
-from house_docstrings import house_to_rest
 from mathml_math import UnknownFormula, mathml
 
 NAMESPACE = "{http://www.w3.org/1998/Math/MathML}"
@@ -39,27 +37,27 @@ def test_what_is_no_known_formula_is_refused(latex: str) -> None:
         mathml(latex)
 
 
-def test_docstrings_become_lists_rubrics_formulas_and_examples() -> None:
-    words = (
-        "What it is, with a*b and x_n.\n\nParameters\n----------\nfirst, second : m, of "
-        "`CircleMap`.\nthird : how\n"
-        "    many.\n\n    h(v) = s * v\n\n- one\n- two\n\n>>> 1 + 1\n2"
-    )
-    text = "\n".join(house_to_rest(words.split("\n")))
-    assert r"with a\*b and x\_n." in text
-    assert ".. rubric:: Parameters" in text
-    assert (
-        "* **first, second** : m, of :py:obj:`~cyclemap.CircleMap`.\n* **third** : how many."
-        in text
-    )
-    assert ".. code-block:: text\n\n       h(v) = s * v" in text
-    assert "* one" in text and "* two" in text
-    assert ".. code-block:: pycon\n\n   >>> 1 + 1\n   2" in text
+def test_in_docstrings_code_alone_is_marked_and_examples_stay_as_they_are() -> None:
+    lines = ["With |a| * x_n, of `CircleMap`:", "", ">>> `1` * 2", "2 | `3`", "", "then `theta`."]
+    public_names.as_text(None, "property", "", None, None, lines)
+    assert lines == [
+        r"With \|a\| \* x_n, of :py:obj:`~cyclemap.CircleMap`:",
+        *lines[1:5],
+        "then ``theta``.",
+    ]
+    assert lines[2:4] == [">>> `1` * 2", "2 | `3`"]
 
 
-@pytest.mark.parametrize(
-    "module", [house_docstrings, mathml_math, public_names, rooms], ids=lambda one: one.__name__
-)
+def test_sections_become_lists_whose_types_are_no_links() -> None:
+    lines = ["A sum.", "", "Parameters", "----------", "theta : ndarray, shape (n,)", "    Angles."]
+    lines += ["", "Returns", "-------", "float", "    Of them."]
+    public_names.as_text(None, "function", "", None, None, lines)
+    text = "\n".join(lines)
+    assert ":Parameters: **theta** (*ndarray, shape (n,)*) -- Angles." in text
+    assert ":returns: *float* -- Of them." in text
+
+
+@pytest.mark.parametrize("module", [mathml_math, public_names, rooms], ids=lambda one: one.__name__)
 def test_the_extensions_own_examples_hold(module) -> None:
     found = doctest.testmod(module)
     assert found.attempted > 0 and found.failed == 0

@@ -16,8 +16,8 @@ from cyclemap.evidence.push_plan.plan_pushes import Design
 from cyclemap.evidence.push_plan.sensitivity import Target
 from cyclemap.mechanics import EllipseFriction, Material, Pose
 from cyclemap.mechanics.first_touch import first_contact
-from cyclemap.views.probe_page import probe_page, probe_sentences
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
+from cyclemap.views.push_pages import probe_page, probe_sentences
 
 ISOTROPIC = CollectionLoop.mit("isotropic", accuracy=1e-5)
 THETA = 2.0 * np.pi * np.arange(72) / 72

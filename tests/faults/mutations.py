@@ -24,7 +24,7 @@ def readers() -> dict[str, tuple[Reader, ...]]:
     from cyclemap.cli.run_figures import _read_index
     from cyclemap.evidence import load_pushes, read_theta0_pairs
     from cyclemap.evidence.data_blocks.collected_blocks import recognise
-    from cyclemap.evidence.pushes.own_tables import read_own_table
+    from cyclemap.evidence.tables.own_tables import read_own_table
     from cyclemap.mechanics import load_footprint, load_material
     from cyclemap.protocol import loop_from_file, read_protocol, read_schedule
     from cyclemap.protocol.outline_files import read_outline

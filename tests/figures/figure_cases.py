@@ -15,21 +15,22 @@ from matplotlib.figure import Figure
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, simulate_collection
 from cyclemap.figures.catalogue import MeasuredFolder, load_exhibit
-from cyclemap.figures.simulated_collections import Sampling
+from cyclemap.figures.materials.simulated_collections import Sampling
 from cyclemap.mechanics import SidePush
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 
 # Of every run of these tests, so that one computation serves them all.
 SMALL = Sampling(pushes=300, states=2, tolerance=1e-3)
+# Long enough for plywood to climb; the maps are coarse.
+LONG = Sampling(pushes=2000, states=SMALL.states, tolerance=SMALL.tolerance)
 NOWHERE = MeasuredFolder(None)
 RECORDED_ABS, RECORDED_PLYWOOD, SCANS = 24, 20, 144
-# Enough cycles for the runs to leave where they start.
-CYCLES, DRAWN = 400, 24
+DRAWN = 24
 # The fewest that count as a set.
 RECORDED = 20
 RUNS = 20
 # Of each exhibit: how its small version is computed.
-_SAMPLED, _PATHS = {"sampling": SMALL}, {"cycles": CYCLES, "drawn": DRAWN}
+_SAMPLED, _PATHS = {"sampling": SMALL}, {"sampling": LONG, "drawn": DRAWN}
 OPTIONS: dict[str, dict[str, Any]] = {
     "trajectories-object-frame": _PATHS,
     "trajectories-robot-frame": _PATHS,

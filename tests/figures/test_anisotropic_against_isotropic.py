@@ -5,7 +5,7 @@ are one.
 import numpy as np
 import pytest
 
-from cyclemap.figures import anisotropic_against_isotropic
+from cyclemap.figures.dynamic_cycles import experiment_caption
 
 NAME = "anisotropic-against-isotropic"
 
@@ -24,6 +24,6 @@ def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distanc
 def test_in_the_objects_frame_isotropic_paths_are_one_and_anisotropic_ones_spread(result) -> None:
     assert result.isotropic.spread < 5e-6
     assert result.anisotropic.spread > 0.01
-    text = anisotropic_against_isotropic.caption(result)
+    text = experiment_caption(result)
     assert "all 15 paths are one" in text and "the 15 paths spread by up to" in text
     assert "dynamic simulation at 20 mm/s; 15 cycles: 3 batches of 5" in text

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 from importlib import import_module
-from pathlib import Path
+from pkgutil import walk_packages
 
 import pytest
 from refusals import refused
@@ -16,15 +16,17 @@ NAMES = [entry.name for entry in CATALOGUE]
 
 def test_every_exhibit_is_in_the_catalogue_once_and_is_a_figure_a_table_or_an_animation() -> None:
     modules = [
-        import_module(f"cyclemap.figures.{path.stem}")
-        for path in Path(cyclemap.figures.__file__).parent.glob("*.py")
+        import_module(name)
+        for _, name, _ in walk_packages(cyclemap.figures.__path__, "cyclemap.figures.")
     ]
-    exhibits = {module for module in modules if hasattr(module, "compute")}
-    assert {load_exhibit(name) for name in NAMES} == exhibits and len(exhibits) == len(NAMES) == 22
-    for exhibit in exhibits:
-        assert callable(exhibit.caption)
-        assert sum(hasattr(exhibit, kind) for kind in ("draw", "rows", "frames")) == 1
-        assert hasattr(exhibit, "rows") == hasattr(exhibit, "HEADER")
+    found = [getattr(module, "EXHIBITS", {}) for module in modules]
+    exhibits = {name: exhibit for made in found for name, exhibit in made.items()}
+    assert {name: load_exhibit(name) for name in NAMES} == exhibits
+    assert len(exhibits) == sum(map(len, found)) == len(NAMES) == 22
+    for exhibit in exhibits.values():
+        made = [kind for kind in ("draw", "rows", "frames") if getattr(exhibit, kind) is not None]
+        assert len(made) == 1
+        assert bool(exhibit.header) == (made == ["rows"])
     assert all(entry.title.strip() and entry.source.strip() for entry in CATALOGUE)
     assert len({entry.title for entry in CATALOGUE}) == len(CATALOGUE)
 

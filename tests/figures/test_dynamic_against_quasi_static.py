@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.figures import dynamic_against_quasi_static
+from cyclemap.figures.dynamic_cycles import inertia_caption
 
 NAME = "dynamic-against-quasi-static"
 
@@ -20,7 +20,7 @@ def test_the_difference_falls_with_the_speed_squared_on_both_laws(result) -> Non
 
 @pytest.mark.slow
 def test_the_caption_tells_the_largest_differences_of_the_result(result) -> None:
-    caption = dynamic_against_quasi_static.caption(result)
+    caption = inertia_caption(result)
     for comparison in (result.material, result.isotropic):
         drag = math.degrees(np.abs(comparison.difference("drag_turn")).max())
         assert 0.05 < drag < 0.2

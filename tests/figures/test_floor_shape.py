@@ -5,8 +5,8 @@ import pytest
 
 from cyclemap import CollectionLoop
 from cyclemap.evidence import read_theta0_pairs
-from cyclemap.figures import floor_shape
 from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures.plywood_turns import floor_shapes
 
 NAME = "floor-shape"
 
@@ -32,7 +32,7 @@ def test_the_trough_explains_more_of_the_measured_turns_than_the_ellipse() -> No
     measured = MeasuredFolder.found()
     if measured.find("plywood_rect1_theta0_2000.csv") is None:
         pytest.skip("no measured data: set CYCLEMAP_DATA")
-    missed = [floor.miss for floor in floor_shape.compute(measured).floors]
+    missed = [floor.miss for floor in floor_shapes(measured).floors]
     assert np.degrees(missed).round(1).tolist() == [12.3, 17.5, 6.9, 5.1]
 
 

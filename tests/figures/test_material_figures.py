@@ -7,19 +7,22 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn_words import assert_words_apart
-from figure_cases import NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_folder, small
+from figure_cases import LONG, NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_folder, small
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import total_variation
-from cyclemap.figures import staircases, theta0_histograms, turn_histograms, turn_over_theta0
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
-from cyclemap.figures.simulated_collections import Sampling
-from cyclemap.figures.theta0_histograms import PEAK_WORDS, UNIFORM, share_near
+from cyclemap.figures.materials.directions import (
+    PEAK_WORDS,
+    UNIFORM,
+    climb_of,
+    share_near,
+    staircases,
+)
+from cyclemap.figures.materials.turns import shortest_arc, turn_caption
 from cyclemap.views.fit_page import CIRCLE
 
 NAMES = ["plywood", "abs", "delrin", "pu"]
-# Long enough for plywood to climb; the maps are coarse.
-LONG = Sampling(pushes=2000, states=SMALL.states, tolerance=SMALL.tolerance)
 THETA0 = "θ0, orientation before the push (°)"
 # The labels of their panels; a climb is in degrees or in turns.
 LABELS = {
@@ -32,7 +35,7 @@ LABELS = {
 
 @cache
 def climbs(measured=NOWHERE):
-    return staircases.compute(measured, LONG, runs=RUNS)
+    return staircases(measured, LONG, runs=RUNS)
 
 
 @pytest.mark.slow
@@ -65,9 +68,13 @@ def test_a_recorded_set_gives_its_turns_its_climb_and_its_theta0(tmp_path_factor
     )
     panel = turns.panels[1]
     assert (panel.surface, panel.recorded, panel.histogram.count) == ("abs", True, RECORDED_ABS)
-    assert f"Of {RECORDED_ABS} pushes recorded on abs" in turn_histograms.caption(turns)
+    assert f"Of {RECORDED_ABS} pushes recorded on abs" in load_exhibit("turn-histograms").caption(
+        turns
+    )
     assert climb[1].recorded.path.size == RECORDED_ABS and climb[3].recorded is None
-    assert f"The recorded path of {RECORDED_ABS} pushes" in staircases.caption(climb)
+    assert f"The recorded path of {RECORDED_ABS} pushes" in load_exhibit("staircases").caption(
+        climb
+    )
     assert theta0[1].theta0.size == RECORDED_ABS
 
 
@@ -91,7 +98,7 @@ def test_each_highest_peak_lies_within_17_degrees_of_the_papers_high_one_and_pu_
 
 def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
     found = small("theta0-histograms", MeasuredFolder(measured_data))
-    plywood, told = found[0], theta0_histograms.caption(found)
+    plywood, told = found[0], load_exhibit("theta0-histograms").caption(found)
     assert plywood.theta0.size == 2000 and found[1].theta0 is None
     assert share_near(plywood.theta0, plywood.run.published.directions) > 0.8
     assert "of the 2000 recorded ones, whose highest bin is 95° to 100°" in told
@@ -117,8 +124,8 @@ def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measur
     found = small("turn-histograms", MeasuredFolder(measured_data))
     cycle, told, figure = (
         found.panels[-1],
-        turn_histograms.caption(found),
-        turn_histograms.draw(found),
+        load_exhibit("turn-histograms").caption(found),
+        load_exhibit("turn-histograms").draw(found),
     )
     assert [panel.whole_cycle for panel in found.panels] == [False] * 4 + [True]
     assert cycle.recorded and cycle.surface == "plywood" and cycle.histogram.count == 1996
@@ -151,7 +158,7 @@ def test_the_law_follows_the_mechanics_on_pu_where_pushes_start_all_round_and_no
     arcs = {one.run.surface: np.degrees(one.arc) for one in result}
     assert misses["pu"] < 1.5 and arcs["pu"] > 250
     assert misses["delrin"] > 30 and arcs["delrin"] < 20
-    told = turn_over_theta0.caption(result)
+    told = turn_caption(result)
     assert all(f"{misses[name]:.1f}° on {name}" in told for name in NAMES)
     assert f"on an arc of {arcs['pu']:.0f}°" in told
 
@@ -162,7 +169,7 @@ def test_the_caption_tells_the_error_of_each_law_beside_the_papers() -> None:
         law = one.simulated_law.law
         off = np.degrees(np.sqrt(np.mean((law(one.law.theta) - one.law.value) ** 2)))
         told = f"{off:.2f}° RMS off in the simulated pushes (paper, recorded: {paper:.2f}°)"
-        assert told in turn_over_theta0.caption(result)
+        assert told in turn_caption(result)
         assert (off < paper) == (one is not result[0])
 
 
@@ -175,9 +182,7 @@ def test_recorded_pushes_have_a_law_of_their_own_and_the_measured_data_none(
     assert panel.measured.pushes.count == RECORDED_ABS
     assert np.array_equal(panel.law.value, panel.measured.pushes.dtheta)
     rmse = np.degrees(panel.law.law.rmse)
-    assert f"abs ({RECORDED_ABS} pushes, law within {rmse:.2f}° RMS)" in turn_over_theta0.caption(
-        recorded
-    )
+    assert f"abs ({RECORDED_ABS} pushes, law within {rmse:.2f}° RMS)" in turn_caption(recorded)
     assert [one.measured for one in small("turn-over-theta0", MeasuredFolder(measured_data))] == [
         None
     ] * 4
@@ -186,8 +191,8 @@ def test_recorded_pushes_have_a_law_of_their_own_and_the_measured_data_none(
 def test_the_shortest_arc_does_not_mind_where_the_circle_is_cut() -> None:
     angles = np.array([0.0, 0.1, 0.2, 0.3, 3.0])
     for turned in (0.0, 1.0, 6.2):
-        assert turn_over_theta0.shortest_arc(angles + turned, 0.8) == pytest.approx(0.3)
-    assert turn_over_theta0.shortest_arc(angles, 1.0) == pytest.approx(3.0)
+        assert shortest_arc(angles + turned, 0.8) == pytest.approx(0.3)
+    assert shortest_arc(angles, 1.0) == pytest.approx(3.0)
 
 
 def test_plywood_climbs_faster_as_it_wears_pu_never_rests_and_the_others_keep_a_direction() -> None:
@@ -212,7 +217,7 @@ def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(
     measured_data,
 ) -> None:
     measured = climbs(MeasuredFolder(measured_data))
-    recorded, told = measured[0].recorded, staircases.caption(measured)
+    recorded, told = measured[0].recorded, load_exhibit("staircases").caption(measured)
     assert recorded.turns == pytest.approx(18.0, abs=0.1)
     assert np.degrees(np.median(recorded.steps.heights)) == pytest.approx(360.0, abs=1.0)
     assert f"The recorded path of 2000 pushes makes {recorded.steps.count} steps of 360°" in told
@@ -227,6 +232,6 @@ def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(
 
 
 def test_a_climb_counts_its_turns_and_its_first_stay() -> None:
-    climb = staircases.climb_of(np.repeat(2 * np.pi * np.arange(5.0), 30), np.pi)
+    climb = climb_of(np.repeat(2 * np.pi * np.arange(5.0), 30), np.pi)
     assert climb.steps.count == 4 and climb.turns == 4.0 and climb.first_stay == 30
     assert climb.turn_pushes.tolist() == [30, 30, 30]

@@ -11,7 +11,7 @@ from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import simulate_collection
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.measured_sets import measured_run, measured_theta0
+from cyclemap.figures.materials.paper_pushes import measured_run, measured_theta0
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol import loop_from_settings
 

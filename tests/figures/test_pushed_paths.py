@@ -7,11 +7,11 @@ import shutil
 
 import numpy as np
 import pytest
-from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small
+from figure_cases import DRAWN, LONG, RECORDED, recorded_plywood, small
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.pushed_paths import (
+from cyclemap.figures.materials.pushed_paths import (
     crossing_pairs,
     paths_from_measured_theta0,
     paths_on_four_surfaces,
@@ -41,8 +41,10 @@ def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> No
     loop = CollectionLoop.mit("plywood-measured")
     fresh = loop.cycle(float(paths.theta0[0]))
     assert paths.turn[0] == pytest.approx(fresh.push_turn, abs=1e-4)
-    last = loop.cycle(float(paths.theta0[-1]))
-    assert abs(paths.turn[-1] - last.push_turn) > math.radians(0.1)
+    last = float(paths.theta0[-1])
+    worn = worn_loop(loop, LONG.pushes - 1).cycle(last).push_turn
+    assert paths.turn[-1] == pytest.approx(worn, abs=1e-4)
+    assert abs(worn - loop.cycle(last).push_turn) > math.radians(0.05)
 
 
 def test_both_frames_tell_the_same_path_turned_by_theta0() -> None:
@@ -61,7 +63,7 @@ def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_
     assert paths is not None
     assert paths.theta0.shape == (5,) and paths.orientations.shape == (RECORDED,)
     assert_ends(paths, CollectionLoop.mit("plywood"), range(5))
-    surfaces = paths_on_four_surfaces(measured, CYCLES, DRAWN)
+    surfaces = paths_on_four_surfaces(measured, LONG, DRAWN)
     assert [one.origin for one in surfaces] == ["recorded", "simulated", "simulated", "simulated"]
 
 

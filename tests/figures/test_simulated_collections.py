@@ -7,7 +7,7 @@ from refusals import refused
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.figures.simulated_collections import (
+from cyclemap.figures.materials.simulated_collections import (
     STANDS_FOR,
     Sampling,
     SurfaceState,

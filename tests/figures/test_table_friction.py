@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 from figure_cases import SCANS, recorded_folder
 
-from cyclemap.figures import table_friction
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.table_friction import HEADER, caption, compute, rows
+from cyclemap.figures.materials.tables import (
+    FRICTION_HEADER,
+    friction_caption,
+    friction_ellipses,
+    friction_rows,
+)
 from cyclemap.mechanics import material_names
 
 NAME = "table-friction"
 
 
 def test_the_plywood_row_is_the_papers(result) -> None:
-    first = dict(zip(HEADER, rows(result)[0], strict=True))
+    first = dict(zip(FRICTION_HEADER, friction_rows(result)[0], strict=True))
     assert (first["material"], first["source"]) == ("plywood", "paper")
     assert [first[name] for name in ("μa", "μb", "m0", "n0")] == [
         "0.2545",
@@ -24,14 +28,17 @@ def test_the_plywood_row_is_the_papers(result) -> None:
         "0.0082",
     ]
     assert float(first["φ (°)"]) == pytest.approx(math.degrees(2.6175), abs=0.005)
-    assert "φ = 2.6175 rad" in caption(result)
+    assert "φ = 2.6175 rad" in friction_caption(result)
 
 
 def test_every_built_in_surface_has_a_row_and_wear_has_two(result) -> None:
     assert [row.material for row in result.rows].count("plywood-measured") == 2
     alike = {"isotropic", "plywood-floor", "abs-floor", "unknown"}
     assert {row.material for row in result.rows} == set(material_names()) - alike
-    assert all(len(row) == len(HEADER) for row in rows(result)) and len(result.rows) == 6
+    assert (
+        all(len(row) == len(FRICTION_HEADER) for row in friction_rows(result))
+        and len(result.rows) == 6
+    )
 
 
 def test_derived_numbers_are_those_of_the_traction_in_all_directions(result) -> None:
@@ -56,7 +63,7 @@ def test_derived_numbers_are_those_of_the_traction_in_all_directions(result) -> 
 def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(
     tmp_path_factory,
 ) -> None:
-    found = compute(recorded_folder(tmp_path_factory))
+    found = friction_ellipses(recorded_folder(tmp_path_factory))
     scanned = [row for row in found.rows if row.source == f"{SCANS} recorded scans"]
     assert [row.surface for row in scanned] == ["plywood"] and found.absent == (
         "abs",
@@ -66,8 +73,13 @@ def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(
     assert (scanned[0].mean, scanned[0].axis_ratio, scanned[0].offset) == pytest.approx(
         (found.rows[0].mean, found.rows[0].axis_ratio, found.rows[0].offset), rel=1e-5
     )
-    assert "fitted to recorded friction scans on plywood" in table_friction.caption(found)
+    assert "fitted to recorded friction scans on plywood" in friction_caption(found)
 
 
 def test_the_folder_of_measured_data_holds_no_friction_scans(measured_data) -> None:
-    assert compute(MeasuredFolder(measured_data)).absent == ("plywood", "abs", "delrin", "pu")
+    assert friction_ellipses(MeasuredFolder(measured_data)).absent == (
+        "plywood",
+        "abs",
+        "delrin",
+        "pu",
+    )

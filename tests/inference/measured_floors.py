@@ -9,6 +9,7 @@ fits pushes, drags and cycles of rect1 on plywood at once.
 """
 
 import json
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cyclemap.collection import drifting_map
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, UnsupportedContact
 from cyclemap.evidence import (
@@ -29,6 +31,7 @@ from cyclemap.evidence import (
     identified_material,
     identify,
     push_end_block,
+    read_theta0_pairs,
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import surface_model
@@ -46,7 +49,6 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
-from cyclemap.evidence.pushes.columns import ENDS, RODS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
@@ -54,7 +56,17 @@ from cyclemap.evidence.pushes.measured_strokes import (
     selected,
     session_name,
 )
-from cyclemap.mechanics import Material, PlatePressure, Slider, load_material, material_toml
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.tables.columns import ENDS, RODS, known_columns
+from cyclemap.maps import LocalNoise, sample_staircases
+from cyclemap.mechanics import (
+    Material,
+    PlatePressure,
+    Slider,
+    SurfaceShape,
+    load_material,
+    material_toml,
+)
 from cyclemap.mechanics.material import PLATE_SHAPE_KEYS, shape_numbers
 from cyclemap.text_files import read_csv_table
 
@@ -75,6 +87,7 @@ PLATES_PROVENANCE = (
 )
 # Where the robot drags to.
 TARGET = (0.35, -0.03)
+RUNS = 100
 
 
 def folder() -> Path:
@@ -313,6 +326,43 @@ def staircase() -> None:
     for one in found.estimates:
         print(f"  {one.name} {one.value:.4g} ({one.lower:.4g} to {one.upper:.4g})")
     print("\n".join(found.notes))
+    material = identified_material(
+        found, "joint", ["pushes, drags and cycles"], plate="rect1", last_cycle=collected.last_cycle
+    )
+    run_beside_measured(material, read_theta0_pairs(folder() / CYCLES))
+
+
+def run_beside_measured(material: Material, pairs: Theta0Pairs) -> None:
+    """Run the loop on the floor as it was in the session of the cycles, with the noise that
+    `plywood-measured` has, and print how far its histogram of θ0 and its turns are from those of
+    the robot.
+    """
+    session = next(row for row in material.sessions if row.name.endswith(Path(CYCLES).stem))
+    assert material.wear is not None and material.wear.floor is not None
+    worn = material.wear.floor.bend + session.shape.bend - material.floor.bend
+    wear = replace(material.wear, floor=SurfaceShape.of_bend(*worn.tolist()))
+    loop = CollectionLoop.mit(replace(material, floor=session.shape, wear=wear))
+    noise = load_material("plywood-measured").noise
+    assert noise is not None and pairs.path is not None
+    local = LocalNoise(noise.log_sigma, noise.correlation)
+    count = len(pairs.path) - 1
+    drifting = drifting_map(loop, count, math.radians(0.05))
+    runs = sample_staircases(drifting, local, count, np.full(RUNS, pairs.path[0]), seed=0)
+    for first, last in ((0, 500), (500, 1000), (1000, 1500), (1500, 2000), (500, 2000), (0, 2000)):
+        robot = pairs.path[first:last]
+        densities = [histogram_10_deg(run[first:last]) for run in runs]
+        off = 0.5 * np.abs(np.mean(densities, axis=0) - histogram_10_deg(robot)).sum()
+        turns = (runs[:, min(last, count - 1)] - runs[:, first]) / (2.0 * np.pi)
+        low, middle, high = np.quantile(turns, (0.05, 0.5, 0.95))
+        made = (robot[-1] - robot[0]) / (2.0 * np.pi)
+        print(f"pushes {first} to {last}: histogram {off:.2f} in total variation, ", end="")
+        print(f"{middle:.1f} turns ({low:.1f} to {high:.1f}), the robot's {made:.1f}")
+
+
+def histogram_10_deg(theta: np.ndarray) -> np.ndarray:
+    """Shares of the orientations in bins of 10 degrees."""
+    counts = np.histogram(theta % (2.0 * np.pi), 36, (0.0, 2.0 * np.pi))[0]
+    return counts / theta.size
 
 
 def make(target: Path, floor: str) -> None:

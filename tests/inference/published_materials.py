@@ -25,7 +25,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 )
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.figures.published_statistics import (
+from cyclemap.figures.materials.paper_pushes import (
     PUBLISHED_CYCLES,
     SOURCE,
     PublishedStatistics,

@@ -14,9 +14,9 @@ import numpy as np
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import InvalidInput
-from cyclemap.figures.published_statistics import (
+from cyclemap.figures.materials.paper_pushes import (
     PUBLISHED_CYCLES,
     PublishedStatistics,
     published_statistics,

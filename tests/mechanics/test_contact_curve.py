@@ -104,7 +104,7 @@ def cases(draw, seed, count):
 def centres(curve, index, count=33):
     piece = curve.pieces[index]
     at = np.linspace(piece.low, piece.high, count)
-    return np.array([piece.contact(float(s), curve.radius)[0].rod_centre(curve.radius) for s in at])
+    return np.array([piece.contact(float(s), curve.radius).rod_centre(curve.radius) for s in at])
 
 
 def length(curve):
@@ -299,7 +299,7 @@ def test_first_touches_are_where_a_marching_rod_stops():
                 assert expected is None and found is None
                 continue
             # Where the rod grazes, the march stops a little before it touches.
-            contact, _ = curve.pieces[found[1]].contact(found[2], radius)
+            contact = curve.pieces[found[1]].contact(found[2], radius)
             assert np.allclose(contact.rod_centre(radius), start + found[0] * toward, atol=1e-9)
             assert expected <= found[0] + 1e-9 and found[0] - expected < 1e-4
             touched += 1

@@ -333,16 +333,16 @@ def test_derivatives_in_a_batch_are_those_of_single_cycles_whatever_their_number
     loops, theta = [loop for loop, _, _ in LOOPS.values()], np.array([[0.7, 2.0]] * len(LOOPS))
     every = run_batch(loops, theta, len(PARAMETERS))
     slopes, plain = run_batch(loops, theta, 1), run_batch(loops, theta)
-    # By theta alone the engine runs shorter equations, whose rounding is their own.
+    # By theta alone, and without derivatives, the engine runs shorter equations, whose rounding is
+    # their own.
     np.testing.assert_allclose(
         slopes.jacobian[..., 0], every.jacobian[..., 0], rtol=1e-12, atol=1e-13
     )
     assert plain.jacobian.shape == (len(loops), 2, 6, 0)
     for number, loop in enumerate(loops):
         np.testing.assert_array_equal(every.jacobian[number, 0], loop.sensitivity(0.7).jacobian)
-        assert (
-            every.theta_next[number, 0] == plain.theta_next[number, 0] == loop.cycle(0.7).theta_next
-        )
+        assert plain.theta_next[number, 0] == loop.cycle(0.7).theta_next
+    np.testing.assert_allclose(every.theta_next, plain.theta_next, rtol=0.0, atol=1e-14)
 
 
 def test_pushes_kept_for_another_ring_leave_the_same_bits():

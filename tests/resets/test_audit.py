@@ -7,7 +7,7 @@ import pytest
 from refusals import refused
 
 from cyclemap.resets.audit import audit
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.watch_page import audit_headline, audit_page, audit_paragraph
 
 

@@ -60,7 +60,7 @@ def test_what_is_no_strategy_is_refused_by_name() -> None:
         ),
         ({"order": "shuffled", "weights": (math.pi, 1.0, 1.0)}, "no block of 10000"),
         # An action that comes in no block.
-        ({"order": "shuffled", "weights": (1.0, 1.0, 1e-12)}, "no block of 4 pushes"),
+        ({"order": "shuffled", "weights": (1.0, 1.0, 1e-12)}, "no block of 10000 pushes"),
         ({"actions": PUSHES * 4000}, "12000 actions are more than 10000"),
         ({"hitch": (math.nan, 0.0)}, "hitch must be two finite numbers"),
     ):

@@ -70,7 +70,7 @@ def test_killed_three_times_it_is_complete_and_the_same_to_the_byte(tmp_path) ->
             lambda numbers=numbers: not any(Path(f"/proc/{number}").exists() for number in numbers)
         )
         assert before <= sweep_status(path).stored < 4 * ROWS
-    kept, log = set(load_sweep(path).number.tolist()), tmp_path / "log last"
+    kept, log = set(load_sweep(path).table["number"].tolist()), tmp_path / "log last"
     assert kept
     assert start(tmp_path, path, log).wait() == 0
     assert sorted(logged(log)) == sorted(set(range(4 * ROWS)) - kept)

@@ -79,8 +79,12 @@ def test_a_refused_point_is_a_result_and_stops_nothing(tmp_path) -> None:
     status = run_sweep(fake_plan(refused_above=0.26), path, workers=1)
     assert (status.stored, status.refused, status.complete) == (20, 8, True)
     found = load_sweep(path)
-    assert found.refusals == ("",) * 12 + ("mu_a is 0.275",) * 4 + ("mu_a is 0.3",) * 4
-    assert np.isnan(found.columns["rotation"]).tolist() == [False] * 12 + [True] * 8
+    assert found.table["refusal"].tolist() == [
+        *[""] * 12,
+        *["mu_a is 0.275"] * 4,
+        *["mu_a is 0.3"] * 4,
+    ]
+    assert np.isnan(found.table["rotation"]).tolist() == [False] * 12 + [True] * 8
 
 
 def test_a_bug_at_a_point_ends_the_sweep_by_name_and_keeps_the_others(tmp_path) -> None:

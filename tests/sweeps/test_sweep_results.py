@@ -49,7 +49,7 @@ def test_one_value_takes_its_axis_away_a_range_and_a_list_keep_theirs(sweep) -> 
     one = sweep.select(material="pu", mu_a=0.225)
     assert [axis.key for axis in one.axes] == ["hitch_x_mm"] and len(one) == 4
     assert one.on_grid("rotation").tolist() == rotation[1, 1].tolist()
-    assert set(one.swept["material"]) == {"pu"}
+    assert set(one.table["material"]) == {"pu"}
     found = sweep.select(mu_a=values[1:3], material=["delrin", "abs"])
     assert found.shape == (2, 2, 4) and found.axes[0].values == ("abs", "delrin")
     assert found.axes[1].values == values[1:3]
@@ -59,8 +59,8 @@ def test_one_value_takes_its_axis_away_a_range_and_a_list_keep_theirs(sweep) -> 
 def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
     found = sweep.where(lambda one: one.values("locked_period") == 1)
     assert len(found) == 3 * 4 * 3
-    assert max(found.swept["hitch_x_mm"]) < -5.0
-    assert {values.size for values in found.lists["fixed_point_theta"]} == {2}
+    assert max(found.table["hitch_x_mm"]) < -5.0
+    assert {values.size for values in found.table["fixed_point_theta"]} == {2}
     assert np.isnan(found.on_grid("rotation")).sum() == 60 - 36
 
 
@@ -90,18 +90,18 @@ def test_csv_reads_back_every_number_exactly(tmp_path, small) -> None:
     rows = read(tmp_path / "sweep.csv")
     assert len(rows) == 20
     for place, row in enumerate(rows):
-        assert int(row["number"]) == small.number[place]
-        assert float(row["mu_a"]) == small.swept["mu_a"][place]
+        assert int(row["number"]) == small.table["number"][place]
+        assert float(row["mu_a"]) == small.table["mu_a"][place]
         for name in ("rotation", "locked_period", "stable_points"):
-            value = small.columns[name][place]
+            value = small.table[name][place]
             assert (row[name] == "") if np.isnan(value) else (float(row[name]) == value)
-        theta = np.degrees(small.lists["fixed_point_theta"][place])
+        theta = np.degrees(small.table["fixed_point_theta"][place])
         assert [row[f"fixed_point_theta_deg_{k}"] for k in (1, 2)] == [
             *map(repr, theta.tolist()),
             "",
             "",
         ][:2]
-        assert row["refusal"] == small.refusals[place]
+        assert row["refusal"] == small.table["refusal"][place]
 
 
 def test_words_and_points_are_written_as_such(tmp_path) -> None:
@@ -117,7 +117,7 @@ def test_words_and_points_are_written_as_such(tmp_path) -> None:
         "[[0.0, 50.0]]",
         "[[0.0, 60.0], [10.0, 60.0]]",
     ]
-    assert found.swept["way_points_mm"][1] == ((0.0, 60.0), (10.0, 60.0))
+    assert found.table["way_points_mm"][1] == ((0.0, 60.0), (10.0, 60.0))
     assert found.select(way_points_mm=((0.0, 50.0),)).shape == (2,)
 
 
@@ -130,7 +130,7 @@ def test_a_grid_becomes_a_dataset_over_its_keys_with_units(small) -> None:
     assert np.array_equal(found["rotation"].values, small.on_grid("rotation"), equal_nan=True)
     assert found["fixed_point_count"].sel(mu_a=0.2).values.tolist() == [2, 2, 2, 0]
     padded = found["fixed_point_theta_deg"].sel(mu_a=0.2, hitch_x_mm=[-20.0, 0.0]).values
-    assert padded[0].tolist() == np.degrees(small.lists["fixed_point_theta"][0]).tolist()
+    assert padded[0].tolist() == np.degrees(small.table["fixed_point_theta"][0]).tolist()
     assert np.isnan(padded[1]).all()
     assert found["refusal"].sel(mu_a=0.3).values.tolist() == ["mu_a is 0.3"] * 4
 
@@ -151,7 +151,7 @@ def test_a_sample_becomes_a_dataset_over_its_points_and_words_are_coordinates(
     assert len(chosen) == 32 and chosen.values("mu_a").max() <= 0.25
     found, words = to_dataset(sample), to_dataset(sweep)
     assert found["point"].values.tolist() == list(range(64))
-    assert found["mu_a"].values.tolist() == list(sample.swept["mu_a"])
+    assert found["mu_a"].values.tolist() == list(sample.table["mu_a"])
     assert found["rotation"].values.tolist() == sample.values("rotation").tolist()
     place = {"material": "pu", "mu_a": 0.225, "hitch_x_mm": 0.0}
     assert words["rotation"].sel(place).item() == sweep.on_grid("rotation")[1, 1, 3]

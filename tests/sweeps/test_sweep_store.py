@@ -48,15 +48,15 @@ def test_every_float_comes_back_as_it_went(path) -> None:
         store.add([(plan.point(3), PointOutcome(values, "partly refused: 'θ'"))])
         assert store.status().stored == store.status().refused == 1
     found = load_sweep(path)
-    assert found.columns["rotation"].tolist() == [0.1 + 0.2]
-    assert found.columns["rotation_lower"].tolist() == [np.inf]
+    assert found.table["rotation"].tolist() == [0.1 + 0.2]
+    assert found.table["rotation_lower"].tolist() == [np.inf]
     assert (
-        np.isnan(found.columns["rotation_upper"]).all()
-        and np.isnan(found.columns["locked_period"]).all()
+        np.isnan(found.table["rotation_upper"]).all()
+        and np.isnan(found.table["locked_period"]).all()
     )
-    assert tuple(found.lists["fixed_point_theta"][0].tolist()) == kept
-    assert found.refusals == ("partly refused: 'θ'",)
-    assert found.number.tolist() == [3]
+    assert tuple(found.table["fixed_point_theta"][0].tolist()) == kept
+    assert found.table["refusal"].tolist() == ["partly refused: 'θ'"]
+    assert found.table["number"].tolist() == [3]
 
 
 def test_a_point_is_kept_once(path) -> None:
@@ -65,7 +65,7 @@ def test_a_point_is_kept_once(path) -> None:
         for rotation in (1.0, 2.0):
             store.add([(plan.point(0), PointOutcome({"rotation": rotation}))])
         assert store.status().stored == 1
-    assert load_sweep(path).columns["rotation"].tolist() == [1.0]
+    assert load_sweep(path).table["rotation"].tolist() == [1.0]
 
 
 def test_anyone_can_ask_it_in_sql(path) -> None:
@@ -188,8 +188,8 @@ def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path
     object.__setattr__(plan, "numbers", FakeNumbers(log=str(log)))
     whole, wanted = swept(path, plan), swept(tmp_path / "undisturbed.sqlite", fake_plan(rows=300))
     assert len(log.read_text().split()) == 1200 - len(kept)
-    assert whole.columns["rotation"].tolist() == wanted.columns["rotation"].tolist()
-    assert whole.number.tolist() == list(range(1200))
+    assert whole.table["rotation"].tolist() == wanted.table["rotation"].tolist()
+    assert whole.table["number"].tolist() == list(range(1200))
 
 
 def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path) -> None:
@@ -222,11 +222,11 @@ def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
             continue
         assert (
             found.description == before.description
-            and found.number.tolist() == before.number.tolist()
+            and found.table["number"].tolist() == before.table["number"].tolist()
         )
         assert all(
-            np.array_equal(found.columns[name], before.columns[name], True)
-            for name in before.columns
+            np.array_equal(found.table[name], before.table[name], True)
+            for name in before.table.select_dtypes("number")
         )
         outcomes[True] += 1
     assert min(outcomes.values()) > 20

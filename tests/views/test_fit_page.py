@@ -10,7 +10,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence import PushSet, SetFit, Theta0Pairs, fit_set
 from cyclemap.views import fit_page as sentences
 from cyclemap.views.fit_page import fit_page
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 
 pytestmark = pytest.mark.slow
 
@@ -67,7 +67,7 @@ def test_every_page_has_its_rows_of_panels_which_lie_apart(whole, motion, angles
 
 def test_sentences_carry_the_numbers(whole) -> None:
     said = " ".join(sentences.set_sentences(whole))
-    law, forecast = whole.laws.dtheta, whole.cycle_map.forecast
+    law, forecast = whole.laws[0], whole.cycle_map.forecast
     assert said.startswith("made: 250 pushes (2 left out: jump).")
     for part in (
         f"{law.law.harmonics} harmonics leaves {np.degrees(law.law.rmse):.2f}° "
@@ -86,7 +86,7 @@ def test_what_is_not_known_is_said(motion, angles) -> None:
         in sentences.set_sentences(motion)[0]
     )
     assert sentences.set_sentences(motion)[-1] == "No cycle map: no push has a known next θ0."
-    assert "θ0 tells next to nothing of it" in sentences.law_sentence(motion.laws.dy)
+    assert "θ0 tells next to nothing of it" in sentences.law_sentence(motion.laws[2])
     assert "of which θ0 alone is known" in sentences.count_sentence(angles)
     assert ", no wear seen;" in sentences.order_sentence(angles.cycle_map)
     short = fit_set(made_set(made_path(25, 0.26, 0.02), moved=False))

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 
 from cyclemap import maps
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, WrappedNormal
-from cyclemap.views import style
-from cyclemap.views.orbit_panels import (
+from cyclemap.views.panels.layout import new_figure, render
+from cyclemap.views.panels.orbits import (
     draw_basins,
     draw_density,
     draw_lyapunov_exponents,
@@ -19,13 +19,14 @@ from cyclemap.views.orbit_panels import (
     draw_orbit_branches,
     draw_orbit_diagram,
 )
-from cyclemap.views.rotation_panels import (
+from cyclemap.views.panels.rotation import (
     draw_bifurcation_curves,
     draw_rotation_numbers,
     draw_rotation_plane,
     draw_tongues,
 )
-from cyclemap.views.staircase_page import draw_step_lengths, draw_steps
+from cyclemap.views.panels.style import picture_style
+from cyclemap.views.portrait_page import draw_step_lengths, draw_steps
 
 WELLS = CircleMap(
     lambda x: x - 0.4 * np.sin(2 * x) + 0.1 * np.sin(x),
@@ -56,11 +57,11 @@ def sine(K):
 
 def drawn(draw, *values) -> Axes:
     """A panel that is drawn and comes out; a legend stands above it, where it covers nothing."""
-    with style.picture_style():
-        figure = style.new_figure(6.0, 4.0)
+    with picture_style():
+        figure = new_figure(6.0, 4.0)
     axes = figure.add_subplot()
     draw(axes, *values)
-    assert style.render(figure, "png", 60).startswith(b"\x89PNG")
+    assert render(figure, "png", 60).startswith(b"\x89PNG")
     renderer, legend = figure.canvas.get_renderer(), axes.get_legend()
     assert (
         legend is None

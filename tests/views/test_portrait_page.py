@@ -16,8 +16,9 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
 from cyclemap.maps import CircleMap, Estimate, WrappedNormal, transfer_operator
 from cyclemap.mechanics import load_material
-from cyclemap.views import sentences, style
-from cyclemap.views.style import render
+from cyclemap.views import sentences
+from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import render
 
 CASES = [("locked", False), ("locked", True), ("rotating", True), ("jumping", False)]
 

@@ -10,7 +10,7 @@ from drawn_words import assert_words_apart
 from cyclemap.evidence import Replay, ReplayedPushes
 from cyclemap.evidence.comparison.replay_table import REPLAY_COLUMNS
 from cyclemap.mechanics import Slider
-from cyclemap.views.replay_page import replay_headline, replay_page
+from cyclemap.views.push_pages import replay_headline, replay_page
 
 
 def made_replay(off, turn_off, kind):

@@ -16,6 +16,7 @@ from cyclemap.resets import (
     gripper_turns,
     legs,
 )
+from cyclemap.views.panels.layout import render
 from cyclemap.views.reset_page import (
     design_sentences,
     histogram_words,
@@ -23,7 +24,6 @@ from cyclemap.views.reset_page import (
     reset_page,
     row_cells,
 )
-from cyclemap.views.style import render
 
 pytestmark = pytest.mark.slow
 

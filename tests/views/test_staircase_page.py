@@ -8,9 +8,9 @@ import pytest
 from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
-from cyclemap.views import staircase_page as sentences
-from cyclemap.views.staircase_page import staircase_page
-from cyclemap.views.style import render
+from cyclemap.views import portrait_page as sentences
+from cyclemap.views.panels.layout import render
+from cyclemap.views.portrait_page import staircase_page
 
 GHOST, WELL, TURNING = (0.0955, 0.6), (0.1, 0.9), (0.3, 0.0)
 

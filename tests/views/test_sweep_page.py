@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.maps import RotationPlane
 from cyclemap.sweeps import (
@@ -11,11 +12,22 @@ from cyclemap.sweeps import (
     SweepStore,
     load_sweep,
     run_sweep,
-    sweep_curves,
 )
-from cyclemap.views.rotation_panels import cell_edges
-from cyclemap.views.style import render
-from cyclemap.views.sweep_page import sweep_page, sweep_sentences, without_specks
+from cyclemap.views.panels.layout import render
+from cyclemap.views.panels.rotation import cell_edges
+from cyclemap.views.sweep_page import (
+    rotation_plane,
+    sweep_page,
+    sweep_sentences,
+    without_specks,
+)
+from tests.sweeps.fake_numbers import (
+    FakeNumbers,
+    fake_plan,
+    fake_sample,
+    fake_values,
+    swept as fake_swept,
+)
 
 NUMBERS = PortraitNumbers(("rotation", "fixed_points"))
 WIDE = np.s_[3:20, 5:9]
@@ -56,7 +68,7 @@ def swept(tmp_path):
 
 
 def page_of(sweep, names=()):
-    figure = sweep_page(sweep, sweep_curves(sweep, names))
+    figure = sweep_page(sweep, names)
     assert render(figure).startswith(b"\x89PNG")
     return figure
 
@@ -100,7 +112,7 @@ def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) ->
     assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], (
         "unstable, stable and refused points"
     )
-    assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith(
+    assert sweep_sentences(sweep.where(sweep.table["number"] < 4))[0].startswith(
         "4 of 11 points over friction μa"
     )
 
@@ -132,9 +144,73 @@ def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     )
     run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
     sweep = load_sweep(tmp_path / "sweep.sqlite")
-    assert all("contact fraction" in text for text in sweep.refusals)
+    assert all("contact fraction" in text for text in sweep.table["refusal"])
     assert "4 refused" in words(page_of(sweep))
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
+
+
+def test_a_plane_has_the_rotation_numbers_the_counts_and_the_refusals(tmp_path) -> None:
+    sweep = fake_swept(tmp_path / "sweep.sqlite", fake_plan(refused_above=0.28))
+    assert rotation_plane(sweep).period.sum() == 4 * 3
+    rotation, stable = panels(page_of(sweep))
+    titles = [axes.get_title(loc="left") for axes in (rotation, stable)]
+    assert titles == ["Rotation number", "Number of stable fixed points"]
+    drawn = np.ma.filled(stable.collections[0].get_array().astype(float), np.nan)
+    assert np.array_equal(drawn, sweep.on_grid("stable_points").T, equal_nan=True)
+    crossed = [bars for bars in stable.collections[1:] if bars.get_hatch() == "xxx"]
+    assert sum(len(bars.get_paths()) for bars in crossed) == 4, "half of the cells of four rows"
+
+
+def test_angles_are_drawn_in_degrees(tmp_path) -> None:
+    """The fake numbers have no turns; a real map of isotropic friction turns by its rotation number
+    each cycle.
+    """
+    over = {"hitch_x_mm": (-10.607,), "hitch_y_mm": (10.607,)}
+    numbers = PortraitNumbers(("rotation", "turns"), tolerance=1e-3)
+    plan = SweepPlan.grid("isotropic", over, numbers=numbers)
+    figure = page_of(fake_swept(tmp_path / "sweep.sqlite", plan), ("mean_turn", "rotation"))
+    turn, rotation = (float(axes.collections[0].get_array()[0, 0]) for axes in panels(figure))
+    assert turn == pytest.approx(74.52037 - 66.51814, abs=0.06)
+    assert 360.0 * rotation == pytest.approx(turn, abs=0.06)
+
+
+def test_lines_run_along_the_key_with_every_fixed_point(tmp_path) -> None:
+    plan = SweepPlan.grid(
+        "plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers()
+    )
+    points, rotation = panels(page_of(fake_swept(tmp_path / "sweep.sqlite", plan)))
+    line = rotation.lines[0]
+    assert line.get_xdata().tolist() == [-12.0, -8.0, -4.0, 0.0]
+    assert line.get_ydata().tolist() == [
+        fake_values(0.25, x)["rotation"] for x in (-12.0, -8.0, -4.0, 0.0)
+    ]
+    stable, unstable = points.lines[:2]
+    assert sorted(stable.get_xdata().tolist()) == sorted(unstable.get_xdata()) == [-12.0, -8.0]
+    assert np.degrees(0.1 + 8.0 / 7.0) in stable.get_ydata()
+
+
+@pytest.mark.slow
+def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(tmp_path) -> None:
+    sample = fake_sample(32, refused_above=0.25)
+    scattered = panels(page_of(fake_swept(tmp_path / "sweep.sqlite", sample)))
+    for axes in scattered:
+        dots, crosses = axes.collections[0].get_offsets(), axes.lines[0].get_xdata()
+        assert (len(dots), len(crosses)) == (16, 16)
+    plan = SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3)}, 32, numbers=FakeNumbers())
+    _, rotation = panels(page_of(fake_swept(tmp_path / "one.sqlite", plan)))
+    places = rotation.lines[0].get_xdata()
+    assert len(places) == 32 and np.all(np.diff(places) > 0.0)
+
+
+def test_what_cannot_be_drawn_is_refused(tmp_path) -> None:
+    over = {"mu_a": (0.2, 0.3), "mu_b": (0.2, 0.3), "hitch_x_mm": (-8.0, 0.0)}
+    plan = SweepPlan.grid("plywood", over, numbers=FakeNumbers())
+    sweep = fake_swept(tmp_path / "sweep.sqlite", plan)
+    refused(sweep_page, sweep, told="3 keys are swept")
+    plane = sweep.select(mu_b=0.2)
+    refused(sweep_page, plane, ("fixed_point_theta",), told="fixed_point_theta is a list")
+    refused(sweep_page, plane, ("tv",), told="unknown quantity of this sweep 'tv'")
+    refused(sweep_page, sweep.where(np.zeros(8, dtype=bool)), told="nothing to draw")
 
 
 def test_cells_meet_half_way() -> None:

@@ -21,16 +21,17 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.push_sets import selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
-from cyclemap.evidence.pushes.columns import PLACES, Row, Selection
-from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.tables.columns import Row, Selection
+from cyclemap.evidence.tables.conventions import OURS, written_convention
+from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.progress import Progress
-from cyclemap.text_files import file_stem, read_csv_table
+from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
     import pandas
@@ -45,30 +46,31 @@ _SAME_LENGTH = 0.5e-3
 # A rod that seems to begin farther from the object, as a share of its way, is in another frame than
 # the object.
 _LONGEST_GAP = 0.2
-_NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
+_NO_POSES = "no end pose"
+_EARLY = "among the first"
+_OTHER_SET = "cycle of another set"
 _NO_OUTLINE = (
     "its outline is not told: give its material file, or put it with the data as collection.toml"
 )
 
 
 @dataclass(frozen=True, eq=False)
-class PushSet:
-    """Pushes of one set that a loop predicts.
+class PosedSet:
+    """Pushes of one set whose ends are known, and the loop that predicts them.
 
     facts : what the files say of the set: surface and object (None where unknown), acceleration
         (m/s²), speed (m/s), side, fraction, angle (rad), NaN where unknown.
     loop : the mechanics of its object.
     push : (n,) of that object: the data's place, direction and length.
-    theta, dtheta : (n,) rad.
-    displacement : (n, 2) m, in the initial object frame.
+    theta : (n,) rad.
+    motion : (n, 3) dtheta (rad), dx, dy (m, in the initial object frame).
     """
 
     facts: Row
     loop: CollectionLoop
     push: tuple[SidePush, ...]
     theta: Array
-    dtheta: Array
-    displacement: Array
+    motion: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +79,7 @@ class CollectionData:
 
     Attributes
     ----------
-    pushes : tuple of PushSet
+    pushes : tuple of PosedSet
         The sets with end poses.
     pairs : Theta0Pairs or None
         The cycles of the set that has most, with the numbers of their pushes and the longest
@@ -93,7 +95,7 @@ class CollectionData:
         How angles and axes were read, and how well motions bear that out, in words.
     """
 
-    pushes: tuple[PushSet, ...]
+    pushes: tuple[PosedSet, ...]
     pairs: Theta0Pairs | None
     left_out: Mapping[str, int]
     loop: CollectionLoop | None = None
@@ -142,8 +144,7 @@ def collection_data(
 
 def _read(path: Path, progress: Progress | None = None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
-    is_table = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
-    if is_table and not set(read_csv_table(path).header) >= PLACES:
+    if tells_orientations_alone(path):
         return read_theta0_pairs(path)
     pushes = load_pushes(path, progress=progress)
     if len(pushes.table):
@@ -180,36 +181,38 @@ def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> Co
         raise InvalidInput(
             f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes"
         )
-    path, number = pairs.unbroken.path, pairs.unbroken.path_cycle
+    path = pairs.unbroken.path
+    path_cycle = pairs.unbroken.path_cycle
     if path is not None:
-        number = np.arange(float(path.size)) if number is None else number
-        late = number >= first
-        path, number = (path[late], number[late]) if np.sum(late) > 1 else (None, None)
+        path_cycle = np.arange(float(path.size)) if path_cycle is None else path_cycle
+        late = path_cycle >= first
+        path, path_cycle = (path[late], path_cycle[late]) if np.sum(late) > 1 else (None, None)
     left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
-    found = Theta0Pairs(
-        pairs.theta[kept], pairs.theta_next[kept], path, cycle=cycle[kept], path_cycle=number
+    chosen = Theta0Pairs(
+        pairs.theta[kept], pairs.theta_next[kept], path, cycle=cycle[kept], path_cycle=path_cycle
     )
-    return CollectionData((), found, dict(left_out), loop)
+    return CollectionData((), chosen, dict(left_out), loop)
 
 
 def _of_table(
     given: PushTable, loop: CollectionLoop | None, first: int, length: float
 ) -> CollectionData:
     repetition = given.table["repetition"].to_numpy()
-    number = np.where(np.isnan(repetition), np.arange(repetition.size), repetition)
-    table = given.table.assign(number=number)[number >= first]
-    left_out = Counter({_EARLY: int(np.sum(number < first))})
+    numbers = np.where(np.isnan(repetition), np.arange(repetition.size), repetition)
+    table = given.table.assign(number=numbers)[numbers >= first]
+    left_out = Counter({_EARLY: int(np.sum(numbers < first))})
     sets = [rows for _, rows in table.groupby([*SET_FACTS], dropna=False, sort=False)]
-    pushes = list[PushSet]()
+    pushes = list[PosedSet]()
     if loop is not None:
         sets = _fitting(sets, loop, left_out)
-        pushes = _push_sets(sets, loop, length, left_out)
+        pushes = _posed_sets(sets, loop, length, left_out)
     pairs, own = _cycles(sets, loop, length, left_out)
     counts = {reason: count for reason, count in left_out.items() if count}
     if not pushes and pairs is None:
-        told = "; ".join(f"{count}: {reason}" for reason, count in counts.items())
+        reasons = "; ".join(f"{count}: {reason}" for reason, count in counts.items())
         raise InvalidInput(
-            f"nothing is left of {number.size} pushes to compare with ({told or 'it holds none'})"
+            f"nothing is left of {numbers.size} pushes to compare with "
+            f"({reasons or 'it holds none'})"
         )
     return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
 
@@ -247,11 +250,11 @@ def _fitting(
     """The sets of the loop's surface and of objects whose outline is known; the others are counted
     by name.
     """
-    told = {_facts(rows)["surface"] for rows in sets} - {None}
+    surfaces = {_facts(rows)["surface"] for rows in sets} - {None}
     words = {loop.material.name, re.split(r"[-_ ]", loop.material.name)[0]}
-    own = words & (told | {*material_names()} - {"isotropic"})
-    if len(told) > 1 and not own:
-        listed = ", ".join(sorted(told))
+    own = words & (surfaces | {*material_names()} - {"isotropic"})
+    if len(surfaces) > 1 and not own:
+        listed = ", ".join(sorted(surfaces))
         raise InvalidInput(
             f"the data are of several surfaces ({listed}), and the material {loop.material.name!r} "
             "names none of them: select one, surface=NAME"
@@ -268,17 +271,16 @@ def _fitting(
     return fitting
 
 
-def _push_sets(
+def _posed_sets(
     sets: Sequence[pandas.DataFrame], loop: CollectionLoop, length: float, left_out: Counter[str]
-) -> list[PushSet]:
+) -> list[PosedSet]:
     """The sets with end poses whose pushes are as long as is known, each with the pushes that the
     data tell.
     """
-    loops, made = dict[str | None, CollectionLoop](), list[PushSet]()
+    loops = {name: loop_of_plate(loop, name) for name in {_facts(rows)["object"] for rows in sets}}
+    posed_sets = []
     for rows in sets:
         facts = _facts(rows)
-        if facts["object"] not in loops:
-            loops[facts["object"]] = loop_of_plate(loop, facts["object"])
         own = loops[facts["object"]]
         posed = rows[["dtheta", "dx"]].notna().all(axis=1).to_numpy()
         far = _lengths(rows, length, own)
@@ -287,9 +289,9 @@ def _push_sets(
         left_out[NO_LENGTH] += int(np.sum(posed & ~kept))
         if kept.any():
             push = tuple(told_push(loop.push, facts, distance) for distance in far[kept].tolist())
-            theta, dtheta, *moved = rows[["theta0", "dtheta", "dx", "dy"]].to_numpy()[kept].T
-            made.append(PushSet(facts, own, push, theta, dtheta, np.stack(moved, axis=-1)))
-    return made
+            columns = rows[["theta0", "dtheta", "dx", "dy"]].to_numpy()[kept]
+            posed_sets.append(PosedSet(facts, own, push, columns[:, 0], columns[:, 1:]))
+    return posed_sets
 
 
 def _cycles(
@@ -299,7 +301,7 @@ def _cycles(
     left_out: Counter[str],
 ) -> tuple[Theta0Pairs | None, CollectionLoop | None]:
     """The pairs of the set that has most cycles, and the loop that makes them."""
-    counts = [int(rows["theta_next"].notna().sum()) for rows in sets]
+    counts = [int(rows["theta_next"].count()) for rows in sets]
     most = max(counts, default=0)
     if most < FEWEST_CYCLES:
         left_out[f"cycles, fewer than {FEWEST_CYCLES} of one set"] += sum(counts)
@@ -314,10 +316,10 @@ def _cycles(
             return None, loop
         loop = _pushing(loop, told_push(loop.push, _facts(rows), far))
     rows = rows.sort_values("number", kind="stable")
-    theta, ahead, number = rows[["theta0", "theta_next", "number"]].to_numpy().T
+    theta, ahead, numbers = rows[["theta0", "theta_next", "number"]].to_numpy().T
     known = np.isfinite(ahead)
-    path, run = _longest_run(theta, ahead, number)
-    return Theta0Pairs(theta[known], ahead[known], path, cycle=number[known], path_cycle=run), loop
+    path, run = _longest_run(theta, ahead, numbers)
+    return Theta0Pairs(theta[known], ahead[known], path, cycle=numbers[known], path_cycle=run), loop
 
 
 def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
@@ -332,16 +334,16 @@ def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
 
 
 def _longest_run(
-    theta: Array, theta_next: Array, number: Array
+    theta: Array, theta_next: Array, numbers: Array
 ) -> tuple[Array | None, Array | None]:
     """The path of the longest run of pushes numbered without a gap, and its numbers; None without
     any.
     """
-    linked = np.isfinite(theta_next[:-1]) & (np.diff(number) == 1.0)
+    linked = np.isfinite(theta_next[:-1]) & (np.diff(numbers) == 1.0)
     runs = stretches(linked)
     if not runs:
         return None, None
     low, high = max(runs, key=lambda run: run[1] - run[0])
     steps = np.cumsum(theta_next[low:high] - theta[low:high])
     path = theta[low] + np.concatenate([[0.0], steps])
-    return path, number[low : high + 1]
+    return path, numbers[low : high + 1]

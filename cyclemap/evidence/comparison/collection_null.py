@@ -1,19 +1,23 @@
-"""P-values for orientations that follow one another: the null is simulated as paths of the noisy
-cycle map.
+"""What is predicted of a collection, and p-values for orientations that follow one another: the
+null is simulated as paths of the noisy cycle map.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, evenly_spread
 from cyclemap.checks import finite_array, finite_number, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.collection import CollectionLoop, drifting_map
+from cyclemap.collection.loop_surfaces import BLEND_TOLERANCE, on_material
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.laws.circular_distance import (
     CircularLaw,
     PValue,
@@ -23,12 +27,21 @@ from cyclemap.evidence.laws.circular_distance import (
     total_variation,
     watson_statistic,
 )
-from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases
+from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal, sample_staircases
 from cyclemap.progress import Progress, part_of
 
 _CELLS = 4096  # of the grid on which the images of an ensemble are counted
 _REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
 _APART = 1_000  # between the seeds of two samples
+
+
+# Samples of a material's posterior that are used, and how good their maps are, rad: they tell a
+# spread.
+SAMPLES = 32
+_SAMPLE_TOLERANCE = 1e-3
+_SAMPLE_BLEND = 1e-2
+
+Predictor = CollectionLoop | CircleMap | DriftingMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +104,29 @@ class CollectionModel:
             return sample_staircases(
                 self.begun, self.noise, length - 1, np.full(count, start), seed
             )
-        found, used = np.empty((count, length)), self.samples[:count]
-        for number, one in enumerate(used):
-            rows, own = found[number :: len(used)], seed + _APART * (number + 1)
-            rows[:] = replace(self, map=one, samples=()).paths(start, length, len(rows), own)
-        return found
+        paths = np.empty((count, length))
+        used = self.samples[:count]
+        for index, own_map in enumerate(used):
+            rows = paths[index :: len(used)]
+            own = seed + _APART * (index + 1)
+            rows[:] = replace(self, map=own_map, samples=()).paths(start, length, len(rows), own)
+        return paths
+
+    def map_at(self, cycle: float) -> CircleMap:
+        """The map of one cycle."""
+        return self.map if isinstance(self.map, CircleMap) else self.map.at(cycle)
+
+    def turns(self, theta: Array, cycle: Array) -> Array:
+        """Turns (1 + k, n), rad, from ``theta`` (n,) in the cycles ``cycle`` (n,): of the map, then
+        of each sample.
+        """
+        turns = []
+        for known in (self.map, *self.samples):
+            if isinstance(known, CircleMap):
+                turns.append(known.turn(theta))
+            else:
+                turns.append(known.images(theta, cycle) - theta)
+        return np.array(turns)
 
     def images(self, paths: Array) -> Array:
         """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on
@@ -104,6 +135,79 @@ class CollectionModel:
         if isinstance(self.begun, CircleMap):
             return self.begun(paths[..., :-1])
         return self.begun.images(paths[..., :-1], np.arange(paths.shape[-1] - 1))
+
+
+def as_prediction(
+    given: Predictor,
+    noise: Noise | None,
+    last: int,
+    *,
+    tolerance: float = 1e-6,
+    progress: Progress | None = None,
+) -> CollectionModel:
+    """Bring a prediction of pushes up to ``last`` to one form; of a loop whose material has a
+    posterior, with the maps of its samples that can be run.
+
+    noise : of one cycle; None takes 1.1 degrees for a loop (the scatter of measured plywood cycles
+        about a smooth function of θ0), and is refused for a map.
+    tolerance : of a loop's cycle map, rad.
+
+    Raises InvalidInput for anything else, ConvergenceError where the loop's map cannot be computed.
+    """
+    if noise is not None and not isinstance(noise, Noise):
+        raise InvalidInput(
+            f"noise is {noise!r}: give a noise of one cycle, for example WrappedNormal(0.02)"
+        )
+    if isinstance(given, CircleMap | DriftingMap):
+        if noise is None:
+            raise InvalidInput(
+                "a map alone predicts no histogram: give the noise of a cycle, such as "
+                "WrappedNormal(0.02)"
+            )
+        return CollectionModel(given, noise)
+    # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
+    if not all(callable(getattr(given, name, None)) for name in ("circle_map", "cycle")):
+        raise InvalidInput(
+            f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap "
+            "with noise"
+        )
+    samples = list[CircleMap | DriftingMap]()
+    loops = posterior_samples(given)
+    parts = 1 + len(loops)
+    chosen = _map_of(given, last, tolerance, BLEND_TOLERANCE, part_of(progress, 0, parts))
+    for done, loop in enumerate(loops, 1):
+        # A surface at the edge of the posterior may not be able to make every cycle: the others
+        # tell the spread.
+        with suppress(UnsupportedContact, ConvergenceError):
+            samples.append(
+                _map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, part_of(None, 0, 1))
+            )
+        part_of(progress, done, parts)(1.0)
+    kept = tuple(samples) if len(samples) > 1 else ()
+    return CollectionModel(chosen, noise or WrappedNormal(DEFAULT_SIGMA), samples=kept)
+
+
+def _map_of(
+    loop: CollectionLoop, last: int, tolerance: float, blend: float, report: Progress
+) -> CircleMap | DriftingMap:
+    """The map of a loop, or where its surface wears, its maps up to push ``last``."""
+    if isinstance(loop, CollectionLoop) and loop.material.wear is not None:
+        # How many maps it takes is not known before; some twenty are usual.
+        return drifting_map(loop, last + 1, blend, lambda done: report(min(1.0, done / 20.0)))
+    return loop.circle_map(tolerance=tolerance, progress=report)
+
+
+def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
+    """The loop on up to ``SAMPLES`` surfaces of its material's posterior, evenly picked; [] without
+    a posterior.
+    """
+    posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
+    if posterior is None:
+        return []
+    return [
+        on_material(loop, loop.material.sample(index))
+        for index in evenly_spread(len(posterior), SAMPLES)
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +298,7 @@ def collection_statistics() -> dict[str, CollectionStatistic]:
     """
 
     def climb(paths: Array) -> Array:
-        return np.asarray(paths[:, -1] - paths[:, 0])
+        return paths[:, -1] - paths[:, 0]
 
     return {
         "wasserstein": lambda paths, ensemble: circular_wasserstein(paths, ensemble.law),
@@ -286,20 +390,23 @@ def collection_p_values(
         raise InvalidInput(
             f"theta holds {path.size} orientations: a chain needs at least two, in order"
         )
-    count, first_seed = whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
+    count = whole_number("runs", runs, least=1)
+    first_seed = whole_number("seed", seed, least=0)
     chosen = collection_statistics() if statistics is None else statistics
     size = max(count, 200) if refit is None else _REFIT_ENSEMBLE
     known = ensemble or simulated_ensemble(model, float(path[0]), path.size, size, first_seed + 1)
     paths = model.paths(float(path[0]), path.size, count, first_seed)
 
     def values(some: Array, against: Ensemble) -> dict[str, Array]:
-        found = {}
+        measured = {}
         for name, measure in chosen.items():
-            found[name] = finite_array("the statistic's values", measure(some, against))
-            if found[name].shape != (len(some),):
-                told = f"shape {found[name].shape} for {len(some)} paths"
-                raise InvalidInput(f"the statistic gave {told}: give one value a path")
-        return found
+            measured[name] = finite_array("the statistic's values", measure(some, against))
+            if measured[name].shape != (len(some),):
+                raise InvalidInput(
+                    f"the statistic gave shape {measured[name].shape} for {len(some)} paths: give one "
+                    "value a path"
+                )
+        return measured
 
     observed = values(path[None], known)
     if refit is None:
@@ -313,6 +420,6 @@ def collection_p_values(
             )
             parts.append(values(made[None], own))
             part_of(progress, index, len(paths))(1.0)
-        null = {name: np.concatenate([part[name] for part in parts]) for name in chosen}
+        null = {name: np.concatenate([row[name] for row in parts]) for name in chosen}
     part_of(progress, 0, 1)(1.0)
     return {name: monte_carlo_p_value(float(observed[name][0]), null[name]) for name in chosen}

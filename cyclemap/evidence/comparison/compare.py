@@ -11,6 +11,9 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
 from cyclemap.evidence.comparison.collection_null import (
+    CollectionModel,
+    Predictor,
+    as_prediction,
     collection_p_values,
     collection_statistics,
     simulated_ensemble,
@@ -26,19 +29,18 @@ from cyclemap.evidence.comparison.cycle_agreement import (
     orientation_agreement,
     staircase_agreement,
 )
-from cyclemap.evidence.comparison.prediction import Prediction, Predictor, as_prediction
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     push_agreements,
 )
-from cyclemap.evidence.pushes.columns import Selection
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.tables.columns import Selection
 from cyclemap.maps import CircleMap, DriftingMap, Noise, StaircaseSummary, predict_staircase
 from cyclemap.progress import Progress, part_of
 
 # A collection shorter than this has no steps or modes worth a test.
-FEWEST_CYCLES = 10
+SHORTEST_COLLECTION = 10
 # Collections of the ensemble that gives the predicted law.
 ENSEMBLE = 200
 # Simulated collections whose steps and modes are found: they take some 60 ms each for 1500 cycles.
@@ -51,7 +53,7 @@ class Comparison:
 
     Attributes
     ----------
-    prediction : Prediction
+    prediction : CollectionModel
         As it was used.
     data : CollectionData
         As they were used; ``data.left_out`` counts what was not.
@@ -79,7 +81,7 @@ class Comparison:
     (100, ())
     """
 
-    prediction: Prediction
+    prediction: CollectionModel
     data: CollectionData
     pushes: tuple[PushAgreement, ...]
     cycle: CycleAgreement | None
@@ -87,6 +89,13 @@ class Comparison:
     directions: DirectionAgreement | None
     staircase: StaircaseAgreement | None
     uncertified: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """What predicted: ``loop``, ``map`` or ``drifting map``."""
+        if self.data.loop is not None:
+            return "loop"
+        return "map" if isinstance(self.prediction.map, CircleMap) else "drifting map"
 
     @property
     def middle(self) -> float:
@@ -209,21 +218,23 @@ def compare(
 
 
 def _cycles_asked(
-    prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress
+    model: CollectionModel, data: CollectionData, runs: int, seed: int, report: Progress
 ) -> Comparison:
     """All but the pushes: the cycle map, and where the order of the pushes is known what follows
     from it.
     """
     pairs = data.pairs
-    empty = Comparison(prediction, data, (), None, None, None, None)
+    empty = Comparison(model, data, (), None, None, None, None)
     if pairs is None:
         return empty
     path = pairs.path
-    if path is None or pairs.path_cycle is None or path.size < FEWEST_CYCLES:
-        return replace(empty, cycle=cycle_agreement(prediction, pairs))
-    first, start = int(pairs.path_cycle[0]), float(path[0])
-    uncertain = prediction.model(first, uncertain=True)
-    ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
+    if path is None or pairs.path_cycle is None or path.size < SHORTEST_COLLECTION:
+        return replace(empty, cycle=cycle_agreement(model, data.loop, pairs))
+    first = int(pairs.path_cycle[0])
+    start = float(path[0])
+    uncertain = replace(model, first=first)
+    certain = replace(uncertain, samples=())
+    ensemble = simulated_ensemble(certain, start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
         path,
@@ -239,17 +250,16 @@ def _cycles_asked(
     uncertified: tuple[str, ...] = ()
     try:
         # What theory says of the map, or of the map at mid-run where it wears.
-        summary = predict_staircase(prediction.map_at(first + path.size // 2), prediction.noise)
+        summary = predict_staircase(model.map_at(first + path.size // 2), model.noise)
     except (ConvergenceError, InvalidInput) as error:
         uncertified = (f"stable directions and visits: {error}",)
-    fixed = None if prediction.is_drifting else summary
+    zones = () if summary is None else summary.zones
+    fixed = summary if isinstance(model.map, CircleMap) else None
     return replace(
         empty,
-        cycle=cycle_agreement(prediction, pairs, tested["map"]),
+        cycle=cycle_agreement(model, data.loop, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
-        directions=direction_agreement(
-            path, () if summary is None else summary.zones, ensemble, null
-        ),
+        directions=direction_agreement(path, zones, ensemble, null),
         staircase=staircase_agreement(path, null, fixed, part_of(report, 1, 2)),
         uncertified=uncertified,
     )

@@ -13,8 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
-from cyclemap.evidence.comparison.collection_null import Ensemble
-from cyclemap.evidence.comparison.prediction import Prediction
+from cyclemap.evidence.comparison.collection_null import CollectionModel, Ensemble
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quantity_agreement
 from cyclemap.evidence.laws.circular_distance import (
     PValue,
@@ -24,14 +23,14 @@ from cyclemap.evidence.laws.circular_distance import (
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.pushes.theta0_pairs import (
+from cyclemap.evidence.laws.turn_bins import (
     AngleHistogram,
     MapAgreement,
-    Theta0Pairs,
     TurnBins,
     angle_histogram,
     turn_bins,
 )
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE, DIRECTION
@@ -87,12 +86,16 @@ class CycleAgreement:
 
 
 def cycle_agreement(
-    prediction: Prediction, pairs: Theta0Pairs, p_value: PValue | None = None
+    model: CollectionModel,
+    loop: CollectionLoop | None,
+    pairs: Theta0Pairs,
+    p_value: PValue | None = None,
 ) -> CycleAgreement:
     """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted
-    map.
+    map; loop : whose it is, where it is one's.
     """
-    (predicted, *sampled), best = prediction.turns(pairs.theta, pairs.numbers), None
+    predicted, *sampled = model.turns(pairs.theta, pairs.numbers)
+    best = None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
@@ -101,12 +104,10 @@ def cycle_agreement(
     # How well the material's parameters fix the mean: its standard deviation over the samples.
     model_error = float(np.std(np.mean(sampled, axis=1), ddof=1)) if sampled else 0.0
     isotropic = None
-    if isinstance(prediction.given, CollectionLoop):
+    if isinstance(loop, CollectionLoop):
         with suppress(UnsupportedContact):
             # On a surface without direction the turn of a cycle is one for all θ0.
-            isotropic = (
-                replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
-            )
+            isotropic = replace(isotropic_twin(loop), footprint=None).cycle(0.0).theta_next
     turn = quantity_agreement("turn", pairs.turn, predicted, model_error)
     return CycleAgreement(
         agreement=MapAgreement(off.size, turn.rmse, medians.median.size, over_bins),
@@ -117,7 +118,7 @@ def cycle_agreement(
         if isotropic is None
         else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
         scatter=None if best is None else best.sigma,
-        noise=float(np.sqrt(prediction.noise.variance)),
+        noise=float(np.sqrt(model.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,
         p_value=p_value,
     )
@@ -141,7 +142,8 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
         coefficients, _, rank, _ = np.linalg.lstsq(columns, values, rcond=1e-9)
         fitted = columns @ coefficients
         left = float(np.sum((values - fitted) ** 2))
-        explained, free = float(fitted @ fitted), values.size - rank
+        explained = float(fitted @ fitted)
+        free = values.size - rank
         ratios[index] = explained / rank * free / left if left > 0.0 else 0.0
     return ratios
 
@@ -237,9 +239,12 @@ def direction_agreement(
     measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
     predicted = kernel_modes(ensemble.paths.ravel()[::stride])
-    simulated, matches = [kernel_modes(run) for run in null] if zones else [], []
+    simulated = [kernel_modes(run) for run in null] if zones else []
+    matches = []
     for zone in zones:
-        mode, off, p_value = _nearest(predicted, zone.centre), None, None
+        mode = _nearest(predicted, zone.centre)
+        off = None
+        p_value = None
         seen = None if mode is None else _nearest(measured, mode)
         if mode is not None and seen is not None:
             off = float(shorter_way(seen - mode))

@@ -14,11 +14,11 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError, UnsupportedContact
-from cyclemap.evidence.comparison.collection_data import PushSet
-from cyclemap.evidence.comparison.prediction import posterior_samples
+from cyclemap.evidence.comparison.collection_data import PosedSet
+from cyclemap.evidence.comparison.collection_null import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
-from cyclemap.evidence.pushes.columns import Row
+from cyclemap.evidence.tables.columns import Row
 from cyclemap.mechanics import QuasiStaticModel
 from cyclemap.mechanics.trajectory import Course
 from cyclemap.progress import Progress, part_of
@@ -29,7 +29,8 @@ QUANTITIES = ("dtheta", "dx", "dy")
 FEWEST = 3
 # A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is
 # rounding.
-SEEN_ANGLE, SEEN_LENGTH = np.radians(0.005), 5e-6
+SEEN_ANGLE = np.radians(0.005)
+SEEN_LENGTH = 5e-6
 # Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the
 # mean moves.
 _SAMPLED_PUSHES = 100
@@ -137,7 +138,7 @@ class PushAgreement:
 
 
 def push_agreements(
-    sets: Sequence[PushSet], progress: Progress
+    sets: Sequence[PosedSet], progress: Progress
 ) -> tuple[tuple[PushAgreement, ...], int]:
     """Set the pushes of each set beside those of their loop, each at its own θ0, as long as it was;
     the largest first. Also how many were left out, for which the mechanics have no answer.
@@ -149,28 +150,27 @@ def push_agreements(
     count = sum(len(pushes.push) for pushes in sets)
     most_failing = math.ceil(FAILING * count) / count
     models = [pushes.loop.model for pushes in sets]
-    both = []
+    motions = []
     for of_sets in (models, [model.isotropic for model in models]):
         courses = list[Course]()
         for model, pushes in zip(of_sets, sets, strict=True):
             courses += _courses(model, pushes)
-        both.append(predicted_motions(courses, most_failing))
-        part_of(progress, len(both) - 1, 3)(1.0)
-    answered = np.isfinite(both[0][:, 0]) & np.isfinite(both[1][:, 0])
+        motions.append(predicted_motions(courses, most_failing))
+        part_of(progress, len(motions) - 1, 3)(1.0)
+    both = np.stack(motions)
     edges = np.cumsum([len(pushes.push) for pushes in sets])[:-1]
-    columns = (np.split(column, edges) for column in (*both, answered))
     agreements = []
-    for index, (pushes, predicted, isotropic, kept) in enumerate(zip(sets, *columns, strict=True)):
-        if np.any(kept):
-            is_sampled = index % (1 + len(sets) // _SAMPLED_PUSHES) == 0
-            sampled = _sampled_shifts(pushes, predicted) if is_sampled else None
-            agreements.append(_agreement(pushes, predicted, isotropic, kept, sampled))
+    for index, (pushes, moved) in enumerate(zip(sets, np.split(both, edges, axis=1), strict=True)):
+        is_sampled = index % (1 + len(sets) // _SAMPLED_PUSHES) == 0
+        if np.isfinite(moved).all(axis=(0, 2)).any():
+            sampled = _sampled_shifts(pushes, moved[0]) if is_sampled else None
+            agreements.append(_agreement(pushes, moved, sampled))
         part_of(part_of(progress, 2, 3), index, len(sets))(1.0)
     ordered = sorted(agreements, key=lambda agreement: -agreement.count)
-    return tuple(ordered), int(np.sum(~answered))
+    return tuple(ordered), count - sum(agreement.count for agreement in ordered)
 
 
-def _courses(model: QuasiStaticModel, pushes: PushSet, stride: int = 1) -> list[Course]:
+def _courses(model: QuasiStaticModel, pushes: PosedSet, stride: int = 1) -> list[Course]:
     """Every so many-th push of a set on a model of its object, from its own θ0."""
     courses = []
     for theta, push in zip(pushes.theta[::stride].tolist(), pushes.push[::stride], strict=True):
@@ -179,7 +179,7 @@ def _courses(model: QuasiStaticModel, pushes: PushSet, stride: int = 1) -> list[
     return courses
 
 
-def _sampled_shifts(pushes: PushSet, predicted: Array) -> Array | None:
+def _sampled_shifts(pushes: PosedSet, predicted: Array) -> Array | None:
     """Means of some of the pushes on samples of the material's posterior less those predicted,
     (k, 3); None where there are not two.
     """
@@ -192,24 +192,27 @@ def _sampled_shifts(pushes: PushSet, predicted: Array) -> Array | None:
     return np.array(shifts) if len(shifts) > 1 else None
 
 
-def _agreement(
-    pushes: PushSet, predicted: Array, isotropic: Array, kept: Array, sampled: Array | None
-) -> PushAgreement:
-    """The agreement of the pushes of a set that are kept (n,)."""
-    measured = np.column_stack([pushes.dtheta, pushes.displacement])
-    columns = (pushes.theta, measured, predicted, isotropic)
-    theta, ended, ours, alike = (read_only(column[kept]) for column in columns)
+def _agreement(pushes: PosedSet, moved: Array, sampled: Array | None) -> PushAgreement:
+    """The agreement of the pushes of a set that have an answer; moved : (2, n, 3), predicted and
+    isotropic.
+    """
+    kept = np.isfinite(moved).all(axis=(0, 2))
+    columns = (pushes.theta, pushes.motion, *moved)
+    theta, measured, predicted, isotropic = (read_only(column[kept]) for column in columns)
     length = float(np.median([push.distance for push in pushes.push]))
-    quantities = _quantities(ended, ours, sampled)
-    return PushAgreement(pushes.facts, length, theta, ended, ours, alike, quantities, sampled)
+    quantities = _quantities(measured, predicted, sampled)
+    return PushAgreement(
+        pushes.facts, length, theta, measured, predicted, isotropic, quantities, sampled
+    )
 
 
 def _quantities(
-    measured: Array, predicted: Array, shifts: Array | None
+    measured: Array, predicted: Array, shifts: Array | None, sizes: Sequence[int] = ()
 ) -> tuple[QuantityAgreement, ...]:
+    """The quantities of pushes (n, 3) of one set, or of sets of these sizes."""
     errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
     columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
-    return tuple(quantity_agreement(*column) for column in columns)
+    return tuple(quantity_agreement(*column, sizes) for column in columns)
 
 
 def mean_distances(
@@ -218,20 +221,14 @@ def mean_distances(
     """How far pushes end from the prediction on average, place (m) and turn (rad), and from
     isotropic friction's.
     """
-    measured = _joined(sets, "measured")
-    predicted, isotropic = (
-        np.abs(_joined(sets, name) - measured) for name in ("predicted", "isotropic")
-    )
+    predicted = np.concatenate([pushes.predicted - pushes.measured for pushes in sets])
+    isotropic = np.concatenate([pushes.isotropic - pushes.measured for pushes in sets])
     return _mean_distance(predicted), _mean_distance(isotropic)
 
 
 def _mean_distance(off: Array) -> tuple[float, float]:
     turn, x, y = off.T
-    return float(np.mean(np.hypot(x, y))), float(np.mean(turn))
-
-
-def _joined(sets: Sequence[PushAgreement], name: str) -> Array:
-    return np.concatenate([getattr(pushes, name) for pushes in sets])
+    return float(np.mean(np.hypot(x, y))), float(np.mean(np.abs(turn)))
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:
@@ -243,25 +240,33 @@ def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement,
     if complete:
         counts, samples = zip(*complete, strict=True)
         shifts = np.average(samples, axis=0, weights=counts)
-    return _quantities(_joined(sets, "measured"), _joined(sets, "predicted"), shifts)
+    measured = np.concatenate([pushes.measured for pushes in sets])
+    predicted = np.concatenate([pushes.predicted for pushes in sets])
+    return _quantities(measured, predicted, shifts, [pushes.count for pushes in sets])
 
 
 def quantity_agreement(
-    name: str, measured: Array, predicted: Array, model_error: float = 0.0
+    name: str,
+    measured: Array,
+    predicted: Array,
+    model_error: float = 0.0,
+    sizes: Sequence[int] = (),
 ) -> QuantityAgreement:
     """Bias, spread and RMSE of ``predicted`` (n,) about ``measured`` (n,), n ≥ 1, in order of
     recording.
 
-    Both in rad or m; model_error : of the mean of ``predicted``, in the same unit.
+    Both in rad or m; model_error, sizes : see ``mean_error``.
 
     >>> found = quantity_agreement("dx", np.array([1.0, 2.0, 3.0]), np.array([1.5, 2.5, 3.5]))
     >>> found.bias, found.spread, found.rmse, found.percent
     (0.5, 0.0, 0.5, 25.0)
     """
     off = predicted - measured
-    mean, deviation = float(np.mean(measured)), float(np.std(measured))
-    bias, rmse = float(np.mean(off)), float(np.sqrt(np.mean(off**2)))
-    error = mean_error(off, model_error)
+    mean = float(np.mean(measured))
+    deviation = float(np.std(measured))
+    bias = float(np.mean(off))
+    rmse = float(np.sqrt(np.mean(off**2)))
+    error = mean_error(off, model_error, sizes)
     seen = SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE
     return QuantityAgreement(
         name=name,
@@ -282,15 +287,21 @@ def quantity_agreement(
     )
 
 
-def mean_error(values: Array, model_error: float = 0.0) -> float | None:
+def mean_error(values: Array, model_error: float = 0.0, sizes: Sequence[int] = ()) -> float | None:
     """Standard error of the mean of ``values`` (n,), correlated with their neighbours; None below
     three.
 
     model_error : an independent error of the mean, in the unit of ``values``, added in squares.
+    sizes : of the sets that the values are of, one behind the other: what values of a set have in
+        common counts once a set (Liang & Zeger 1986), where that makes the error larger.
     """
     if values.size < FEWEST:
         return None
     own = fit_linear(np.ones((values.size, 1)), values, correlated=True).covariance[0, 0]
+    if len(sizes) > 1:
+        begins = np.cumsum([0, *sizes[:-1]])
+        together = np.add.reduceat(values - np.mean(values), begins) / values.size
+        own = max(own, together @ together * len(sizes) / (len(sizes) - 1))
     return float(np.sqrt(own + model_error**2))
 
 

@@ -13,7 +13,7 @@ from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
-from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
@@ -27,7 +27,9 @@ _LARGEST_SHIFT = 5e-3
 _PIECES = 3600
 # What is left between rod and object after a shift, and how well gaps of touching rods are known,
 # m.
-_CLEARANCE, _ROUNDING, _MOST_SHIFTS = 1e-7, 1e-7, 10
+_CLEARANCE = 1e-7
+_ROUNDING = 1e-7
+_MOST_SHIFTS = 10
 # Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a
 # micrometre.
 _SAMPLE_SPACING = 0.5e-3
@@ -57,7 +59,8 @@ def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
     Raises InvalidInput where the tip moves less than 1 mm.
     """
     place = finite_array("tip pose", tip_pose, ndim=2)[:, 1:3]
-    kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
+    kept = {0, len(place) - 1}
+    spans = [(0, len(place) - 1)]
     while spans:
         first, last = spans.pop()
         off = _from_chord(place[first : last + 1])
@@ -82,23 +85,20 @@ def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
 
 def _from_chord(place: Array) -> Array:
     """Distance of each place from the segment between the first and the last."""
-    chord, offset = place[-1] - place[0], place - place[0]
-    square = float(chord @ chord)
-    share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(place))
-    return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
+    return np.asarray(np.hypot(*(place - nearest_on_polyline(place, place[[0, -1]])[0]).T))
 
 
-def rod_gap(model: QuasiStaticModel, pose: Pose, place: Place) -> tuple[float, Array]:
+def rod_gap(model: QuasiStaticModel, pose: Pose, place: Array) -> tuple[float, Array]:
     """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward
     normal (2,) there.
 
     The gap is negative where the rod reaches into the object; the normal is in the world frame.
     """
     outline = model.slider.outline
-    rod = np.array(pose.to_object(*place))
+    rod = np.array(pose.to_object(*place.tolist()))
     corners = outline.points(_PIECES)
-    (place_on,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
-    offset = rod - place_on
+    (nearest,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
+    offset = rod - nearest
     distance = float(np.hypot(*offset))
     inside = bool(outline.contains(rod))
     outward = -offset if inside else offset
@@ -111,7 +111,7 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: Place) -> tuple[float, A
     return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
 
 
-def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Place) -> Array:
+def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Array) -> Array:
     """Return the least shift (2,), m, world frame, that takes a rod at `place` out of the object;
     zero outside.
 
@@ -120,18 +120,18 @@ def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Place) -> Array:
     """
     shift = np.zeros(2)
     for _ in range(_MOST_SHIFTS):
-        gap, normal = rod_gap(model, pose, (place[0] + float(shift[0]), place[1] + float(shift[1])))
+        gap, normal = rod_gap(model, pose, place + shift)
         if gap >= 0.5 * _CLEARANCE:
             return shift
         shift = shift + (_CLEARANCE - gap) * normal
         if np.hypot(*shift) > _LARGEST_SHIFT:
             break
-    depth, most = 1e3 * np.hypot(*shift), 1e3 * _LARGEST_SHIFT
-    told = (
+    depth = 1e3 * np.hypot(*shift)
+    most = 1e3 * _LARGEST_SHIFT
+    raise InvalidInput(
         f"the rod starts {depth:.3g} mm inside the object, more than the {most:.0f} mm that a "
-        "calibration may be off"
+        "calibration may be off: check the object's outline and the rod's radius"
     )
-    raise InvalidInput(f"{told}: check the object's outline and the rod's radius")
 
 
 def push_along(
@@ -147,16 +147,21 @@ def push_along(
     UnsupportedContact where the rod touches two sides at once or enters the object,
     ConvergenceError where the contact cannot be solved.
     """
-    travels, poses = [np.zeros(1)], [np.array([[pose.x, pose.y, pose.theta]])]
-    done, touched, left = 0.0, False, False
-    for (x, y), (end_x, end_y) in pairwise(corners.tolist()):
-        length = math.hypot(end_x - x, end_y - y)
+    travels = [np.zeros(1)]
+    poses = [np.array([[pose.x, pose.y, pose.theta]])]
+    done = 0.0
+    touched = False
+    left = False
+    for corner, way in zip(corners, np.diff(corners, axis=0), strict=False):
+        x, y = corner.tolist()
+        length = math.hypot(*way)
         if length == 0.0:
             continue
-        if rod_gap(model, pose, (x, y))[0] < -_ROUNDING:
-            there = f"({x:.4f}, {y:.4f}) m"
-            raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
-        stroke = WorldPush((x, y), math.atan2(end_y - y, end_x - x), length)
+        if rod_gap(model, pose, corner)[0] < -_ROUNDING:
+            raise UnsupportedContact(
+                f"the rod would enter the object at ({x:.4f}, {y:.4f}) m from behind"
+            )
+        stroke = WorldPush((x, y), math.atan2(way[1], way[0]), length)
         left = touched
         with suppress(RodMissesObject):
             push = model.push(pose, stroke, _SAMPLE_SPACING)
@@ -164,7 +169,9 @@ def push_along(
             at = done + length - model.unit * push.course.strokes.length
             travels += [np.array([at]), at + push.trajectory.path]
             poses += [poses[-1][-1:], push.trajectory.pose]
-            pose, touched, left = push.end, True, push.ended == "left"
+            pose = push.end
+            touched = True
+            left = push.ended == "left"
         done += length
         travels.append(np.array([done]))
         poses.append(poses[-1][-1:])
@@ -239,13 +246,14 @@ class Replay:
     @property
     def turn_error(self) -> Array:
         """(n,) rad, predicted minus measured turn."""
-        return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
+        return self.predicted[:, 2] - self.measured[:, 2]
 
     def summary(self) -> dict[str, float]:
         """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and
         whether.
         """
-        weight, numbers = np.diff(self.travel), dict[str, float]()
+        weight = np.diff(self.travel)
+        numbers = dict[str, float]()
         for name, error in (("error", self.error), ("turn_error", self.turn_error)):
             # The root mean square along the rod's way, by the trapezium rule.
             middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
@@ -302,23 +310,24 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.
     >>> round(1e3 * replay.summary()["predicted_motion"], 3)
     9.75
     """
-    (corners, way, straightness), start = tip_path(record.tip_pose), Pose(*record.start)
-    first = (float(corners[0, 0]) + offset[0], float(corners[0, 1]) + offset[1])
+    corners, way, straightness = tip_path(record.tip_pose)
+    start = Pose(*record.start)
+    first = corners[0] + offset
     shift = clearing_shift(model, start, first) + offset
     at, poses, touched, left = push_along(model, start, corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], way)
     bends = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
-    predicted, tip = interpolated(travel, at, poses), interpolated(travel, bends, corners) + shift
+    predicted = interpolated(travel, at, poses)
+    tip = interpolated(travel, bends, corners) + shift
     onsets = []
     for course in (measured, predicted):
         # Travel at which the object begins to move; NaN: never.
         off = course - course[0]
         far = np.hypot(*off[:, :2].T) + model.unit * np.abs(off[:, 2]) > _MOVED
         onsets.append(float(travel[far.argmax()]) if far.any() else math.nan)
-    last = (float(tip[-1, 0]), float(tip[-1, 1]))
     apart = [
-        rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK
+        rod_gap(model, Pose(*poses[-1].tolist()), tip[-1])[0] > CONTACT_SLACK
         for poses in (measured, predicted)
     ]
     return Replay(

@@ -17,16 +17,18 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.comparison.replay_push import TOLD, Replay, replay_push
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
-from cyclemap.evidence.pushes.columns import ENDS, RODS, Row, Selection
-from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     RowSelection,
     select_pushes,
     session_name,
 )
-from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
+from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.push_table import UnreadableFile
+from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row, Selection
+from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -193,8 +195,9 @@ class ReplayedPushes:
         groups = self.table.assign(**self.table[[*turns]].abs()).groupby(
             list(columns), dropna=False
         )
-        mean, median = groups.mean(numeric_only=True), groups.median(numeric_only=True)
-        found = {
+        mean = groups.mean(numeric_only=True)
+        median = groups.median(numeric_only=True)
+        gathered = {
             "count": groups.size(),
             "mean_error": mean["error"],
             "median_error": median["error"],
@@ -210,7 +213,7 @@ class ReplayedPushes:
             "isotropic_mean_error": mean["isotropic_error"],
             "isotropic_mean_turn_error": mean["isotropic_turn_error"],
         }
-        return self.table.__class__(found).reset_index()
+        return self.table.__class__(gathered).reset_index()
 
 
 def replay_pushes(
@@ -319,7 +322,8 @@ class _Replayer:
         """Return the row of a push, a row of `PushTable.table`, and its replay; raises
         CycleMapError where there is none.
         """
-        own, material = file_stem(self.loop.slider.name), self.loop.material
+        own = file_stem(self.loop.slider.name)
+        material = self.loop.material
         is_table = str(push["path"]).lower().endswith(CSV_SUFFIX)
         if is_table and not isinstance(push["object"], str) and own not in dataset_sliders():
             # A table of one's own object need not name it.
@@ -346,8 +350,8 @@ class _Replayer:
             "isotropic_error": float(beside.error[-1]),
             "isotropic_turn_error": float(beside.turn_error[-1]),
         }
-        told = {column: push[column] for column in (*_FACTS, "path")}
-        return {**told, **replay.summary(), **isotropic}, replay
+        facts = {column: push[column] for column in (*_FACTS, "path")}
+        return {**facts, **replay.summary(), **isotropic}, replay
 
 
 def _record(push: Row, origin: Place) -> PushRecord:
@@ -355,13 +359,15 @@ def _record(push: Row, origin: Place) -> PushRecord:
     poses before and after, between which the rod went straight.
     """
     if math.isnan(push["line"]):
-        record = convention_of(push["path"]).record(read_push_file(push["path"]))
+        record = as_ours(read_push_file(push["path"]), convention_of(push["path"]))
         assert isinstance(record, PushRecord)
         series = record.object_pose, record.tip_pose, record.ft_wrench
     else:
         if push["tip_error"] > LARGEST_TIP_ERROR:
-            astray = f"the robot was {1e3 * push['tip_error']:.3g} mm off its way"
-            raise InvalidInput(f"line {push['line']:.0f}: {astray}")
+            raise InvalidInput(
+                f"line {push['line']:.0f}: the robot was {1e3 * push['tip_error']:.3g} mm off its "
+                "way"
+            )
         before, after = ([push[name] for name in names] for names in (ENDS[:3], ENDS[3:]))
         tips = np.reshape([push[name] for name in RODS], (2, 2))
         times = np.array([[0.0], [1.0]])

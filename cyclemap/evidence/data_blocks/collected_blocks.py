@@ -5,10 +5,12 @@ left out.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -43,17 +45,6 @@ from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SUR
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
-from cyclemap.evidence.pushes.columns import (
-    DRAG_ENDS,
-    ENDS,
-    RODS,
-    TWIST_COLUMNS,
-    WRENCH_COLUMNS,
-    Selection,
-    has_columns,
-    known_columns,
-)
-from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     NO_LENGTH,
@@ -72,18 +63,27 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
     told_push,
 )
-from cyclemap.evidence.pushes.planned_table import FRAMES_AGREE
-from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import (
+from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, table_pushes
+from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
+from cyclemap.evidence.tables.columns import ENDS, RODS, Selection, known_columns
+from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.data_kinds import (
     CSV_SUFFIX,
-    PushTable,
-    UnreadableFile,
-    load_pushes,
+    CYCLES,
+    DRAG_BACKS,
+    PUSH_ENDS,
+    RECORDS,
+    SORT_COLUMNS,
+    SUFFIXES,
+    WRENCHES,
+    sorts_of_rows,
 )
+from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
-from cyclemap.text_files import file_stem, read_csv_table
+from cyclemap.text_files import CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -91,22 +91,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MOST_STROKES = 2000
-PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
-    "push ends",
-    "drag-backs",
-    "wrenches",
-    "cycles",
-    "records",
-)
-
-_COLUMNS = {
-    PUSH_ENDS: (*ENDS, *RODS),
-    DRAG_BACKS: DRAG_ENDS,
-    WRENCHES: (*WRENCH_COLUMNS, *TWIST_COLUMNS),
-}
 # How far off readings are.
 ERRORS = ("read_error", "read_turn_error")
-_ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses "
     "(x0,y0,th0,x1,y1,th1), better with the tip (tip_x0,tip_y0,tip_x1,tip_y1), of drag-backs "
@@ -116,65 +102,71 @@ LAYOUTS = (
 
 # Cycles that follow each other have errors alike: they form groups of this many, or smaller ones
 # where data are few.
-_LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
+_LONGEST_GROUP = 25
+_FEWEST_GROUPS = 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
 # Pushes of rods that were set by marks, at most: each has two unknowns of its own. Pushes of a
 # session that are asked, at most, how far they turn.
-_MOST_SET, _MOST_TURNS = 200, 200
+_MOST_SET = 200
+_MOST_TURNS = 200
 # So many sessions tell how the floor's shape varies with the place.
 _SESSIONS_OF_A_FIELD = 4
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
-_FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+_FEWEST_PIECES = 3
+_FEWEST_CYCLES = 5
 # Files of which the same is told are named one by one up to so many.
 _MOST_NAMED = 3
 
 
-def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[UnreadableFile]]:
-    """Return the files that a file, folder or tree holds, each with its sort of data, and those of
-    unknown kind.
+@dataclass(frozen=True, eq=False)
+class DataFile:
+    """A file of data, or a folder in the MIT layout, and the sort of data that is taken of it.
 
-    A CSV file may hold two sorts; a folder of the MIT layout counts as one file; files of other
-    kinds in a folder are passed over. Raises InvalidInput where there is nothing at `path`.
+    table : what a CSV file holds.
+    """
+
+    path: Path
+    sort: str
+    table: CsvTable | None = None
+
+
+def files_of_data(path: str | Path) -> list[Path]:
+    """Return what is looked at of a file, folder or tree: each CSV table, and the folder itself where
+    it has files of the MIT layout, or nothing.
+
+    Raises InvalidInput where there is nothing at `path`.
     """
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    found: list[tuple[Path, str]] = []
-    unused: list[UnreadableFile] = []
-    tables = [place]
+    if not place.is_dir():
+        return [place]
+    below = sorted(place.rglob("*"))
+    tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
+    has_records = any(file.suffix.lower() in SUFFIXES for file in below)
+    return [place, *tables] if has_records or not tables else tables
+
+
+def recognise(place: Path) -> list[DataFile]:
+    """Return a CSV table once for each sort of data that it holds, a file or a folder of the MIT
+    layout once; DataFileError, saying why, where it is neither.
+    """
+    if place.suffix.lower() == CSV_SUFFIX and not place.is_dir():
+        table = read_csv_table(place)
+        sorts = sorts_of_rows(table.header)
+        if not sorts:
+            header = ", ".join(table.header[:8])
+            raise DataFileError(f"{place}: a CSV table of unknown columns ({header})")
+        return [DataFile(place, sort, table) for sort in sorts]
+    files = place.rglob("*") if place.is_dir() else [place]
+    if any(file.suffix.lower() in SUFFIXES for file in files):
+        return [DataFile(place, RECORDS)]
     if place.is_dir():
-        below = sorted(place.rglob("*"))
-        tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
-    if any(file.suffix.lower() in SUFFIXES for file in (below if place.is_dir() else [place])):
-        found.append((place, RECORDS))
-        tables = [file for file in tables if file != place]
-    for file in tables:
-        sorts, reason = _sorts_of_table(file)
-        found += [(file, sort) for sort in sorts]
-        if reason:
-            unused.append(UnreadableFile(file, reason))
-    if not found and not unused:
-        unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
-    return found, unused
-
-
-def _sorts_of_table(file: Path) -> tuple[list[str], str]:
-    """The sorts of data that a table holds, and where there are none, why."""
-    if file.suffix.lower() != CSV_SUFFIX:
-        return [], f"a file of another kind ({file.suffix or 'no suffix'})"
-    try:
-        table = read_csv_table(file)
-    except DataFileError as error:
-        return [], str(error).removeprefix(f"{file}").lstrip(":, ")
-    sorts = [sort for sort, wanted in _COLUMNS.items() if has_columns(table, wanted)]
-    posed = not sorts and has_columns(table, ENDS)
-    if posed or any({*table.header} >= names for names in _ORIENTATIONS):
-        sorts.append(CYCLES)
-    unknown = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
-    return sorts, "" if sorts else unknown
+        raise DataFileError(f"{place}: the folder holds no .h5, .json or .csv file")
+    raise DataFileError(f"{place}: a file of another kind ({place.suffix or 'no suffix'})")
 
 
 def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:
@@ -203,7 +195,7 @@ class _Collected:
     given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
         each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some
-        data do not tell it.
+        data do not tell it. surfaces, objects : that the data tell of.
     """
 
     given: CollectionLoop
@@ -224,56 +216,97 @@ class _Collected:
     scans: list[Array] = field(default_factory=list)
     last_cycle: float = 0.0
     noise: dict[str, float] = field(default_factory=dict)
+    surfaces: set[str] = field(default_factory=set)
+    objects: set[str] = field(default_factory=set)
 
-    def add_file(
-        self, path: Path, sort: str, selection: RowSelection, progress: Progress
-    ) -> tuple[frozenset[str], frozenset[str]]:
-        """Add the blocks of one sort of data in a file; return the surfaces and the objects that it
-        tells of.
-        """
-        self.path = path
-        is_table = sort not in (RECORDS, CYCLES)
-        if is_table:
-            table = convention_of(path).table(read_csv_table(path))
-            told_rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
-            facts = told_rows.to_dict("records")
+    def add_files(
+        self, files: Sequence[Path], selection: RowSelection, progress: Progress | None
+    ) -> list[UnreadableFile]:
+        """Add the blocks of all sorts of data in files; return the files of no use."""
+        unused = list[UnreadableFile]()
+        for index, file in enumerate(files):
+            try:
+                known = recognise(file)
+            except DataFileError as error:
+                reason = str(error).removeprefix(f"{file}").lstrip(":, ")
+                unused.append(UnreadableFile(file, reason))
+            else:
+                for data in known:
+                    self._add_file(data, selection, part_of(progress, index, len(files)))
+        return unused
+
+    def _add_file(self, file: DataFile, selection: RowSelection, progress: Progress) -> None:
+        """Add the blocks of one sort of data in a file."""
+        self.path, sort = file.path, file.sort
+        pushes = None
+        if sort in SORT_COLUMNS:
+            assert file.table is not None
+            every = known_columns(file.table, SORT_COLUMNS[sort])
+            rows, left_out = selected(convention_of(file.path).rows(every), selection)
+            frames = [rows]
         else:
-            reading = part_of(progress, 0, 2)
-            pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
-            frames = (pushes.table, pushes.scans)
-            facts = [row for frame in frames for row in frame.to_dict("records")]
-            if pushes.unreadable:
-                bad = pushes.unreadable[0]
-                reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
-                self._leave_out(reason, len(pushes.unreadable))
-        surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
+            pushes, left_out = self._pushes_of(file, selection, part_of(progress, 0, 2))
+            frames = [pushes.table, pushes.scans]
         for reason, count in left_out.items():
             self._leave_out(reason, count)
-        if sort in (RECORDS, CYCLES, PUSH_ENDS):
-            by_marks = is_table and FRAMES_AGREE in table.header
-            for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
-                # A table that was planned tells its axes and angles.
-                if not by_marks:
-                    self._note(words)
-        sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
-        for index, (plate, speed) in enumerate(sessions):
-            self.plate, self.loop = plate, loop_of_plate(self.given, plate)
+        self._check(file, pushes)
+        surfaces = frozenset[str]().union(*(told(frame["surface"]) for frame in frames))
+        self.surfaces |= surfaces
+        self.objects |= frozenset[str]().union(*(told(frame["object"]) for frame in frames))
+        owners = [_plates_and_speeds(frame, self.given.slider.name) for frame in frames]
+        sessions = [] if len(surfaces) > 1 else sorted({*chain(*owners)})
+        for index, session in enumerate(sessions):
+            self.plate, speed = session
+            self.loop = loop_of_plate(self.given, self.plate)
             self.session = self._session(sort, speed)
-            chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
-            own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
-            if is_table:
-                self._add_table(sort, selected(told_rows, own)[0])
+            own = []
+            for frame, of_rows in zip(frames, owners, strict=True):
+                kept = [of_row == session for of_row in of_rows]
+                own.append(frame[np.array(kept, dtype=bool)].reset_index(drop=True))
+            if pushes is None:
+                self._add_table(sort, own[0])
             else:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
-                self._add_pushes(pushes_of(pushes, own), sort, done)
-        return surfaces, objects
+                self._add_pushes(replace(pushes, table=own[0], scans=own[1]), sort, done)
 
-    def _session(self, sort: str, speed: float | None) -> str:
+    def _pushes_of(
+        self, file: DataFile, selection: RowSelection, progress: Progress
+    ) -> tuple[PushTable, Counter[str]]:
+        """The pushes of a file that take part, and how many stay out, by reason."""
+        if file.table is None:
+            pushes, left_out = select_pushes(file.path, selection, False, progress)
+        else:
+            left_out = Counter[str]()
+            whole = table_pushes(file.table)
+            kept = pushes_of(whole, selection, left_out)
+            pushes = replace(kept, unreadable=whole.unreadable)
+        if pushes.unreadable:
+            bad = pushes.unreadable[0]
+            reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
+            self._leave_out(reason, len(pushes.unreadable))
+        return pushes, left_out
+
+    def _check(self, file: DataFile, pushes: PushTable | None) -> None:
+        """Note how pushes were read, and how well their motions bear that out."""
+        if file.sort in (DRAG_BACKS, WRENCHES):
+            return
+        if pushes is None:
+            assert file.table is not None
+            pushes = table_pushes(file.table)
+        # A table that was planned tells its axes and angles.
+        by_marks = file.table is not None and FRAMES_AGREE in file.table.header
+        for words in check_pushes(pushes, self.given):
+            if not by_marks:
+                self._note(words)
+
+    def _session(self, sort: str, speed: float) -> str:
         """The name of a session: its plate and speed, of orientations alone its file; empty where
         nothing tells.
         """
-        if speed is None and sort != CYCLES:
-            return ""
+        if math.isinf(speed):
+            if sort != CYCLES:
+                return ""
+            speed = math.nan
         session = session_name(self.plate, speed, self.path.stem)
         if self.known_sessions.setdefault((session, sort), self.path) != self.path:
             session += f", {self.path.stem}"
@@ -286,6 +319,15 @@ class _Collected:
         """Note how many rows of the file stay out, and why."""
         if count > 0:
             self._note(f"{count} left out: {reason}")
+
+    def _doubt_few(self, contacts: int, count: int) -> None:
+        """Note where pushes are at too few contacts to be grouped by them."""
+        if contacts < min(_FEWEST_CONTACTS, count):
+            self._note(
+                f"{count} pushes at {contacts} contact{'s' * (contacts > 1)} alone: what the model "
+                "misses at a contact counts as evidence of every push there, so that intervals are "
+                "too narrow"
+            )
 
     def _add(
         self,
@@ -345,9 +387,9 @@ class _Collected:
         place = {key: rows.facts[key] for key in ("side", "fraction", "angle") if key in rows.facts}
         loop = replace(self.loop, push=replace(self.loop.push, **place))
         since = pairs.numbers[late] - self.first
-        share = since / np.max(since) if self.wear else None
+        elapsed = since / np.max(since) if self.wear else None
         groups = _cycle_groups(count)
-        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
+        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, elapsed)
         self.last_cycle = max(self.last_cycle, float(np.max(since)))
         self._add(block, f"{count} cycles of {rows.name}" + (", wearing" if self.wear else ""))
 
@@ -359,14 +401,17 @@ class _Collected:
         rows = table[posed].fillna({"length": self.push_length})
         known = rows[rows["length"].notna()]
         pushes: list[MeasuredPush] = []
+        places: list[tuple[float, float]] = []
         for row in known.to_dict("records"):
             push = told_push(self.loop.push, row, row["length"])
             start = Pose(row["x0"], row["y0"], row["theta0"])
             end = Pose(row["x1"], row["y1"], row["theta1"])
-            slider, radius = self.loop.slider, self.loop.pusher.radius
-            pushes.append(push_from_contact(slider, radius, push, start, end, len(pushes)))
+            radius = self.loop.pusher.radius
+            pushes.append(push_from_contact(self.loop.slider, radius, push, start, end))
+            places.append((push.side, push.fraction))
         self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
-        self._add_push_ends(pushes)
+        self._doubt_few(len({*places}), len(pushes))
+        self._add_push_ends(_by_contact(pushes, places))
 
     def _add_records(self, table: pandas.DataFrame, progress: Progress) -> None:
         """Add ends and forces of recorded pushes."""
@@ -381,7 +426,7 @@ class _Collected:
         pushes: list[MeasuredPush] = []
         records: list[PushRecord] = []
         for index, row in enumerate(chosen):
-            record = convention_of(row["path"]).record(read_push_file(row["path"]))
+            record = as_ours(read_push_file(row["path"]), convention_of(row["path"]))
             assert isinstance(record, PushRecord)
             push = _straight_push(record)
             if push is not None:
@@ -391,15 +436,15 @@ class _Collected:
             part_of(progress, index, len(chosen))(1.0)
         self._leave_out("pushes whose tip did not go straight", len(chosen) - len(records))
         if records:
-            groups = _contact_groups(places)
-            both = zip(pushes, groups.tolist(), strict=True)
-            self._add_push_ends([replace(push, contact=group) for push, group in both])
+            self._doubt_few(len({*places}), len(pushes))
+            self._add_push_ends(_by_contact(pushes, places))
             self._add_forces(records)
 
     def _add_forces(self, records: Sequence[PushRecord]) -> None:
         outline = self.loop.slider.outline_points(360)
         sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
-        pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
+        pieces = sliding.ratio.size
+        count = len(np.unique(sliding.push))
         if pieces < _FEWEST_PIECES:
             self._note(f"forces not used: the rod slides in {pieces} pieces of pushes")
             return
@@ -441,11 +486,10 @@ class _Collected:
             readings = tuple(row[name] for name in (*ENDS, *RODS))
             here = f"{row['path']}, line {row['line']}"
             if readings in self.filled:
-                again = (
-                    f"the push of {self.filled[readings]}, again, all readings the same, "
-                    "would count twice"
+                raise DataFileError(
+                    f"{here}: the push of {self.filled[readings]}, again, all readings the same, "
+                    "would count twice: leave one of them out"
                 )
-                raise DataFileError(f"{here}: {again}: leave one of them out")
             self.filled[readings] = here
 
     def _add_table(self, sort: str, rows: pandas.DataFrame) -> None:
@@ -457,7 +501,9 @@ class _Collected:
             small = errors[errors <= LARGEST_TIP_ERROR]
             strayed = float(small.mean()) if len(small) else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
-            if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
+            contacts = len({push.contact for push in pushes})
+            self._doubt_few(contacts, len(pushes))
+            if contacts < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
             by_marks = bool(rows[FRAMES_AGREE].notna().any())
             self._add_push_ends(pushes, _told_errors(rows), by_marks, strayed)
@@ -473,8 +519,10 @@ class _Collected:
     def _add_wrenches(self, rows: pandas.DataFrame) -> None:
         extent = self.loop.slider.outline.extent
         data = read_wrench_twists(rows, extent)
-        scaled = f"torque and turning rate scaled by {1e3 * extent:.2f} mm"
-        words = f"{len(data.twist)} pairs of wrench and twist, {scaled}"
+        words = (
+            f"{len(data.twist)} pairs of wrench and twist, torque and turning rate scaled by "
+            f"{1e3 * extent:.2f} mm"
+        )
         self._add(wrench_twist_block(data, self.loop.slider), words)
         sources = told(rows["source"])
         if len(sources) > 1:
@@ -505,12 +553,17 @@ def _straight_push(record: PushRecord) -> MeasuredPush | None:
     return MeasuredPush(Pose(*record.start), Pose(*record.end), first, last)
 
 
-def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
-    """Groups of pushes: by contact where there are many contacts, else by runs of repetitions."""
-    known = sorted(set(places))
-    if len(known) < _FEWEST_CONTACTS or np.isnan(known).any():
-        return _cycle_groups(len(places))
-    return np.array([known.index(place) for place in places])
+def _by_contact(
+    pushes: Sequence[MeasuredPush], places: Sequence[tuple[float, float]]
+) -> list[MeasuredPush]:
+    """Pushes labelled by side and fraction where there are many such places, else by runs of
+    repetitions.
+    """
+    labels = _cycle_groups(len(places))
+    if len({*places}) >= _FEWEST_CONTACTS and not np.isnan(places).any():
+        labels = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    both = zip(pushes, labels.tolist(), strict=True)
+    return [replace(push, contact=label) for push, label in both]
 
 
 def _told_errors(rows: pandas.DataFrame) -> tuple[float, float] | None:
@@ -533,21 +586,13 @@ def _told_noise(
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
-def _plates_and_speeds(
-    facts: Sequence[Mapping[str, Any]], plate: str
-) -> list[tuple[str, float | None]]:
-    """The plates that rows tell of, else the one given, each with every speed that they tell,
-    m/s."""
-    speeds: dict[str, set[float]] = {}
-    for row in facts:
-        known, speed = row.get("object"), row.get("speed")
-        own = speeds.setdefault(known if isinstance(known, str) and known else plate, set())
-        if speed is not None and not math.isnan(speed):
-            own.add(float(speed))
-    pairs = list[tuple[str, float | None]]()
-    for name in sorted(speeds):
-        pairs += [(name, speed) for speed in sorted(speeds[name])] or [(name, None)]
-    return pairs
+def _plates_and_speeds(rows: pandas.DataFrame, plate: str) -> list[tuple[str, float]]:
+    """The plate and the speed, m/s, of each row: the plate given where it names none, and no end of
+    speed where it tells none.
+    """
+    speeds = rows["speed"].astype(float).fillna(math.inf).round(9)
+    names = [name if isinstance(name, str) and name else plate for name in rows["object"]]
+    return list(zip(names, speeds.tolist(), strict=True))
 
 
 def _cycle_groups(count: int) -> Labels:
@@ -694,14 +739,9 @@ def collected_blocks(
     collected = _Collected(
         loop, first, wear, whole_number("most strokes", most, least=2), length, target
     )
-    recognised = [recognise(path) for path in paths]
-    files = list(dict.fromkeys(file for known, _ in recognised for file in known))
-    unused = list(dict.fromkeys(file for _, others in recognised for file in others))
-    surfaces, shapes = set[str](), set[str]()
-    for index, (path, sort) in enumerate(files):
-        on, of = collected.add_file(path, sort, selection, part_of(progress, index, len(files)))
-        surfaces |= on
-        shapes |= of
+    files = list(dict.fromkeys(file for path in paths for file in files_of_data(path)))
+    unused = collected.add_files(files, selection, progress)
+    surfaces, shapes = collected.surfaces, collected.objects
     if len(surfaces) > 1:
         listed = ", ".join(sorted(surfaces))
         raise InvalidInput(f"the data are of several surfaces: {listed}; select one, surface=NAME")
@@ -777,11 +817,11 @@ def telling_parameters(
     }
     by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
-    owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
-    told = asked & {"pusher_friction", *by_cycles, *(believed or ())}
-    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in told]
+    owned = {row.name for row in (*PLATE_OWNED, *SESSION_OWNED)}
+    beside = asked & {"pusher_friction", *by_cycles, *(believed or ())}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in beside]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
     free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
         free += [name for name in FIELD_NAMES if name in asked]
-    return (*free, *sorted(name for name in asked if name.startswith("worn_")))
+    return (*free, *sorted(name for name in asked if name.startswith(("worn_", "wear_pace_"))))

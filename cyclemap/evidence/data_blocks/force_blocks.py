@@ -22,9 +22,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
-from cyclemap.evidence.pushes.columns import TWIST_COLUMNS, WRENCH_COLUMNS
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
-from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord
+from cyclemap.evidence.tables.columns import TWIST_COLUMNS, WRENCH_COLUMNS
 from cyclemap.mechanics import EllipseFriction, LimitSurface, Slider
 from cyclemap.mechanics.outline import Outline
 
@@ -40,7 +40,8 @@ SCAN_KIND = "scan force (N)"
 FEWEST_GROUPS = 4
 # Directions (rad) as near as this are one.
 _SAME_DIRECTION = 1e-6
-FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
+FORCE_KIND = "wrench force (N)"
+TORQUE_KIND = "wrench torque over radius (N)"
 # Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
 CONTACT_PIECES = 40
 _POINTS = 720
@@ -49,7 +50,8 @@ _STEP = 0.02
 RATIO_KIND = "force ratio (1)"
 # Slip per travel of the rod above which it slides and below which it sticks: between them the poses
 # do not tell.
-SLIDING, STICKING = 0.1, 0.03
+SLIDING = 0.1
+STICKING = 0.03
 
 
 def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
@@ -61,15 +63,10 @@ def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
         raise InvalidInput(
             f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing"
         )
-    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
-    if (
-        columns[0].ndim != 1
-        or any(column.shape != columns[0].shape for column in columns)
-        or not len(columns[0])
-    ):
-        raise InvalidInput(
-            f"friction scans must be columns of one length, not {[c.shape for c in columns]}"
-        )
+    columns = [np.atleast_1d(np.asarray(scans[name], dtype=float)) for name in SCAN_FIELDS]
+    lengths = [len(column) for column in columns]
+    if len({*lengths}) > 1 or not lengths[0]:
+        raise InvalidInput(f"friction scans must be columns of one length, not {lengths}")
     for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
         raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
     return np.array(columns)
@@ -84,7 +81,8 @@ def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: flo
     [[0.25, 0.0625]]
     """
     direction, along, across = scan_columns(scans)
-    c, s = np.cos(direction), np.sin(direction)
+    c = np.cos(direction)
+    s = np.sin(direction)
     return np.stack([along * c - across * s, along * s + across * c], axis=-1) / positive_number(
         "weight", weight
     )
@@ -176,8 +174,10 @@ def _traction(surface: SurfaceParameters, way: Array) -> tuple[Array, Array]:
     """
     from scipy.linalg import expm, expm_frechet
 
-    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
-    traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
+    by_x = np.array(((1.0, 0.0), (0.0, -1.0)))
+    by_y = np.array(((0.0, 1.0), (1.0, 0.0)))
+    traction = surface.to_friction().traction(way)
+    mean = math.exp(surface.friction_scale)
     exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
     push = way @ expm(exponent)
     square = np.sum(push * way, axis=1, keepdims=True)
@@ -285,24 +285,17 @@ class WrenchTwists:
         A single pusher's force passes through its contact: the line of action enters the outline
         there, as seen along the force. A line that misses the outline is no single push.
         """
-        rim, found = outline.points(_POINTS), np.full(len(self.wrench), -1)
-        step = np.diff(rim, axis=0)
-        place = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
-        for row, (fx, fy, torque) in enumerate(self.wrench.tolist()):
-            height = rim[:, 0] * fy - rim[:, 1] * fx - torque
-            crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
-            if fx == fy == 0.0 or not crossing.size:
-                continue
-            drop = height[crossing] - height[crossing + 1]
-            share = np.clip(
-                np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)),
-                0.0,
-                1.0,
-            )
-            first = int(np.argmin((rim[crossing] + share[:, None] * step[crossing]) @ (fx, fy)))
-            entry = place[crossing[first]] + share[first] * np.diff(place)[crossing[first]]
-            found[row] = min(int(entry / place[-1] * CONTACT_PIECES), CONTACT_PIECES - 1)
-        return found
+        corners = outline.points(_POINTS)
+        way = np.append(0.0, np.cumsum(np.hypot(*np.diff(corners, axis=0).T)))
+        along = np.linspace(0.0, way[-1], _POINTS + 1)
+        x, y = (np.interp(along, way, coordinate) for coordinate in corners.T)
+        force_x, force_y, torque = self.wrench.T[..., None]
+        # How far the rim is beside the line of action, and how far along it.
+        beside = x * force_y - y * force_x - torque
+        crosses = (beside[:, :-1] * beside[:, 1:] <= 0.0) & ((force_x != 0.0) | (force_y != 0.0))
+        reached = np.where(crosses, (x * force_x + y * force_y)[:, :-1], np.inf)
+        entry = np.argmin(reached, axis=1)
+        return np.where(crosses.any(axis=1), entry * CONTACT_PIECES // _POINTS, -1)
 
 
 def read_wrench_twists(rows: pandas.DataFrame, rho: float) -> WrenchTwists:
@@ -366,11 +359,10 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     >>> bool(np.allclose(residual, 0.0, atol=1e-9))
     True
     """
-    unit, law = np.array([1.0, 1.0, 1.0 / slider.outline.extent]), EllipseFriction.isotropic(1.0)
-    measured, parameters = (
-        (data.wrench * unit).ravel(),
-        ("friction_scale", "floor_dome", *PLATE_NAMES),
-    )
+    unit = np.array([1.0, 1.0, 1.0 / slider.outline.extent])
+    law = EllipseFriction.isotropic(1.0)
+    measured = (data.wrench * unit).ravel()
+    parameters = ("friction_scale", "floor_dome", *PLATE_NAMES)
 
     def wrench(shape: Array) -> Array:
         surface = SurfaceParameters(**dict(zip(PLATE_NAMES, shape.tolist(), strict=True)))
@@ -380,7 +372,8 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     def function(values: Values) -> tuple[Array, Array]:
         shape = np.array([values[name] for name in PLATE_NAMES])
         shape[0] += values["floor_dome"]
-        mean, force = math.exp(values["friction_scale"]), wrench(shape)
+        mean = math.exp(values["friction_scale"])
+        force = wrench(shape)
         steps = _STEP * np.eye(len(shape))
         slopes = [(wrench(shape + step) - wrench(shape - step)) / (2.0 * _STEP) for step in steps]
         return mean * force - measured, mean * np.column_stack([force, slopes[0], *slopes])
@@ -448,8 +441,9 @@ def sliding_forces(
     A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip
     of more than a tenth of the rod's travel of one sign in every window that a sample is part of.
     """
-    rows, sticking = [], 0
-    for number, (record, outline) in enumerate(pushes):
+    rows = []
+    sticking = 0
+    for index, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
@@ -457,7 +451,7 @@ def sliding_forces(
                 for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, number, samples.window))
+                    rows.append((sign * ratio, index, samples.window))
         sticking += int(
             np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window))
         )

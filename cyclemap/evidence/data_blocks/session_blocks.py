@@ -26,10 +26,13 @@ PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
 SESSION_OWNED = SURFACE.select(FLOOR_NAMES).parameters
 # A session whose robot was this far from where it was sent (m), and so many times further than in
 # others, is odd.
-_ASTRAY, _TIMES = 5e-4, 3.0
+_ASTRAY = 5e-4
+_TIMES = 3.0
 # So is one in which a plate turns by this share less or more than in another, and by so many
 # standard errors; so many pushes, at least, tell.
-_TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS = 0.15, 4.0, 20
+_TURNS_APART = 0.15
+_TURN_ERRORS = 4.0
+_FEWEST_TURNS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +68,8 @@ def named_blocks(
     owners = [row.session or first.get(row.plate, row.plate) for row in known]
     of_floor = {parameter.name for parameter in SESSION_OWNED}
     both = zip(owners, known, strict=True)
-    told = (owner for owner, row in both if of_floor & {*row.block.parameters})
-    sessions = list(dict.fromkeys(told))
+    telling = (owner for owner, row in both if of_floor & {*row.block.parameters})
+    sessions = list(dict.fromkeys(telling))
     has_sessions = len(sessions) > 1 or (population and bool(sessions))
     has_plates = len({row.plate for row in known}) > 1
     blocks = []
@@ -81,7 +84,8 @@ def named_blocks(
         blocks.append(block)
     if has_sessions:
         blocks.append(session_block(sessions, odd))
-    counts, seen = Counter(block.name for block in blocks), Counter[str]()
+    counts = Counter(block.name for block in blocks)
+    seen = Counter[str]()
     for index, block in enumerate(blocks):
         seen[block.name] += 1
         if counts[block.name] > 1:
@@ -103,7 +107,8 @@ def odd_sessions(
         if len(row.pushes) >= _FEWEST_TURNS:
             pushes.setdefault(row.plate, {}).setdefault(row.session, row.pushes)
     usual = float(np.median([*tip_errors.values()])) if tip_errors else 0.0
-    odd, open_ones = dict[str, str](), dict[str, str]()
+    odd = dict[str, str]()
+    open_ones = dict[str, str]()
     for session, size in tip_errors.items():
         if size > max(_ASTRAY, _TIMES * usual):
             odd[session] = (
@@ -147,7 +152,8 @@ def flat_turns(pushes: Sequence[MeasuredPush], loop: CollectionLoop) -> tuple[fl
     model = surface_model(SurfaceParameters(), loop.slider, rod_radius=loop.pusher.radius)
     ends = predicted_push_ends(model, pushes)[0]
     before, after = np.array([(push.start.theta, push.end.theta) for push in pushes]).T
-    predicted, measured = np.abs(ends[:, 2] - before), np.abs(after - before)
+    predicted = np.abs(ends[:, 2] - before)
+    measured = np.abs(after - before)
     mean = max(float(np.mean(predicted)), 1e-9)
     ratio = float(np.mean(measured)) / mean
     return ratio, float(np.std(measured - ratio * predicted)) / math.sqrt(len(pushes)) / mean

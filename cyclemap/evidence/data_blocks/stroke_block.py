@@ -5,10 +5,11 @@ whole cycles.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import lagrange
 
 from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
@@ -19,11 +20,13 @@ from cyclemap.evidence.identification.surface_parameters import (
     FIELD,
     FLOOR_NAMES,
     FRICTION_NAMES,
+    PACE_NAMES,
     PLATE_NAMES,
     SURFACE,
     Parameter,
     SurfaceParameters,
     floor_field,
+    worn_share,
 )
 from cyclemap.evidence.predicted_strokes import (
     DRAG_NAMES,
@@ -64,6 +67,18 @@ _WORN_PARAMETERS = tuple(
     )
     for name in WORN
 )
+_PACE_PARAMETERS = tuple(
+    Parameter(
+        name,
+        f"logarithm of the pace of wear in stretch {stretch} of {len(PACE_NAMES)} of the data",
+        *("", -8.0, 8.0, 0.0, 0.1),
+    )
+    for stretch, name in enumerate(PACE_NAMES, start=1)
+)
+# Turns on a surface that wears are computed at these shares of the wear, and a polynomial between.
+_WEAR_NODES = (0.0, 0.15, 0.5, 0.85, 1.0)
+# Sectors of θ0, and how many cycles in one of them tell its noise.
+_SECTOR_DEG, _FEWEST_PASSES = 20, 10
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 47
 CYCLE_ACCURACY = 1e-6
@@ -143,8 +158,8 @@ def set_ups(first: int, count: int) -> tuple[Parameter, ...]:
     far each rod was off its mark, x and y, and how each object lay turned, in turn.
     """
     parameters = list[Parameter]()
-    for number in range(first, first + count):
-        push = f"push {number}"
+    for index in range(first, first + count):
+        push = f"push {index}"
         for axis in "xy":
             words = f"how far the rod of {push} was set off its mark, along {axis}"
             name = f"{ROD_OFF}{axis}[{push}]"
@@ -287,7 +302,7 @@ def cycle_pair_block(
     theta: ArrayLike,
     turn: ArrayLike,
     groups: Labels,
-    share: ArrayLike | None = None,
+    elapsed: ArrayLike | None = None,
 ) -> DataBlock:
     """Return the block of measured turns of whole cycles, set against the cycle map of a loop.
 
@@ -302,10 +317,11 @@ def cycle_pair_block(
         How far the cycle turned the object, rad.
     groups : array_like of int, shape (n,)
         Rows of one label share their errors.
-    share : array_like, shape (n,), optional
-        How worn the surface was, 0 fresh to 1 at the end of the data; the turn is then blended
-        linearly between the two, its ends having an ellipse and a floor each, the worn one's
-        `worn_...`.
+    elapsed : array_like, shape (n,), optional
+        How much of the data was made before each cycle, 0 to 1, where the surface wears: its turn
+        is then blended between those of a fresh surface and of one as worn as at the end, whose
+        ellipse and floor are `worn_...`. How fast it wears, stretch by stretch, is unknown, too
+        (`wear_pace_...`).
 
     Returns
     -------
@@ -328,53 +344,120 @@ def cycle_pair_block(
     >>> bool(np.abs(block.residuals(SurfaceParameters().values())[0]).max() < 1e-6)
     True
     """
-    angles, measured = finite_array("theta", theta, ndim=1), finite_array("turn", turn, ndim=1)
+    angles = finite_array("theta", theta, ndim=1)
+    measured = finite_array("turn", turn, ndim=1)
     if angles.size == 0 or measured.shape != angles.shape:
-        told = f"{angles.size} orientations and {measured.size} turns"
-        raise InvalidInput(f"{told}: give one turn for each, one at least")
-    surfaces = _surfaces(angles.size, share)
-    own_parameters = () if share is None else _WORN_PARAMETERS
-    parameters = tuple(dict.fromkeys(name for _, names in surfaces for name in names))
-    places = 2.0 * np.pi * np.arange(NODES) / NODES
+        raise InvalidInput(
+            f"{angles.size} orientations and {measured.size} turns: give one turn for each, one at "
+            "least"
+        )
     between = interpolation(angles, NODES)
-
-    def at_nodes(values: Values, names: tuple[str, ...]) -> Rows:
-        """Turns at the nodes on a surface, and their derivatives by its parameters."""
-        known = zip(CYCLE_UNKNOWNS, names, strict=True)
-        surface = SurfaceParameters.from_values({plain: values[own] for plain, own in known})
-        runs, by_unknowns = cycles_by_unknowns(surface, loop, places)
-        return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
-
-    def function(values: Values) -> Rows:
-        predicted, jacobian = np.zeros(angles.size), np.zeros((angles.size, len(parameters)))
-        for weight, names in surfaces:
-            turned, by_names = at_nodes(values, names)
-            columns = [parameters.index(name) for name in names]
-            predicted += weight * (between @ turned)
-            jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)
-        return predicted - measured, jacobian
-
-    def curve(values: Values, around: Array, late: bool) -> Array:
-        return interpolation(around, NODES) @ at_nodes(values, surfaces[late][1])[0]
-
     motions = np.column_stack([angles, measured])
-    kinds = np.repeat("cycle turn (rad)", angles.size)
+    kinds = _cycle_kinds(angles)
+    if elapsed is None:
+        steady = _CycleTurns(loop, between, measured)
+        function, curve = steady.residuals, steady.curve
+        return DataBlock(
+            "cycles", CYCLE_UNKNOWNS, function, groups, kinds, motions=motions, curve=curve
+        )
+    passed = finite_array("elapsed share of the data", elapsed, ndim=1)
+    if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
+        raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
+    own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
+    parameters = (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters))
+    wearing = _WearingTurns(loop, between, measured, passed)
+    function, curve = wearing.residuals, wearing.curve
     return DataBlock(
         "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
     )
 
 
-def _surfaces(count: int, share: ArrayLike | None) -> list[tuple[Array, tuple[str, ...]]]:
-    """How much each surface counts in the cycles, and its own parameters in the order of
-    CYCLE_UNKNOWNS.
+@dataclass(frozen=True, eq=False)
+class _CycleTurns:
+    """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones.
+
+    between : (n, NODES), from the nodes to the orientations of the cycles.
     """
-    if share is None:
-        return [(np.ones(count), CYCLE_UNKNOWNS)]
-    gone = finite_array("share of wear", share, ndim=1)
-    if gone.shape != (count,) or gone.min() < 0.0 or gone.max() > 1.0:
-        raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-    names = (*(parameter.name for parameter in _WORN_PARAMETERS), *CYCLE_UNKNOWNS[len(WORN) :])
-    return [(1.0 - gone, CYCLE_UNKNOWNS), (gone, names)]
+
+    loop: CollectionLoop
+    between: Array
+    measured: Array
+
+    def at_nodes(self, values: Values, worn: float = 0.0) -> Rows:
+        """Return turns at the nodes on a surface as worn as that, and their derivatives by
+        CYCLE_UNKNOWNS.
+        """
+        blended = {name: values[name] for name in CYCLE_UNKNOWNS}
+        for name in WORN if worn else ():
+            blended[name] = (1.0 - worn) * values[name] + worn * values[f"worn_{name}"]
+        surface = SurfaceParameters.from_values(blended)
+        places = 2.0 * np.pi * np.arange(NODES) / NODES
+        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, places)
+        return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
+
+    def residuals(self, values: Values) -> Rows:
+        """Return predicted less measured turns, and their derivatives by the unknowns."""
+        turned, by_unknowns = self.at_nodes(values)
+        return self.between @ turned - self.measured, self.between @ by_unknowns
+
+    def curve(self, values: Values, around: Array, late: bool) -> Array:
+        """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
+        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class _WearingTurns(_CycleTurns):
+    """The same on a surface that wears: turns are computed at _WEAR_NODES, a polynomial between.
+
+    elapsed : (n,), shares of the data made before.
+    """
+
+    elapsed: Array
+
+    def residuals(self, values: Values) -> Rows:
+        """Return predicted less measured turns, and their derivatives by the unknowns."""
+        share, share_by_pace = worn_share([values[name] for name in PACE_NAMES], self.elapsed)
+        weights, slopes = _blending(share)
+        predicted = np.zeros(share.size)
+        by_share = np.zeros(share.size)
+        by_fresh = np.zeros((share.size, len(CYCLE_UNKNOWNS)))
+        by_worn = np.zeros((share.size, len(WORN)))
+        for index, worn in enumerate(_WEAR_NODES):
+            turned, by_unknowns = self.at_nodes(values, worn)
+            turns = self.between @ turned
+            predicted += weights[:, index] * turns
+            by_share += slopes[:, index] * turns
+            by_surface = weights[:, index, np.newaxis] * (self.between @ by_unknowns)
+            by_worn += worn * by_surface[:, : len(WORN)]
+            by_surface[:, : len(WORN)] *= 1.0 - worn
+            by_fresh += by_surface
+        by_pace = by_share[:, np.newaxis] * share_by_pace
+        return predicted - self.measured, np.hstack([by_fresh, by_worn, by_pace])
+
+
+def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
+    """Return the kind of error of each cycle (n,): where θ0 hardly moves, turns scatter by a tenth
+    of what they do elsewhere, so that a sector that was passed often has a noise of its own.
+    """
+    sectors = (np.degrees(theta) % 360.0 // _SECTOR_DEG).astype(int)
+    passes = np.bincount(sectors)[sectors]
+    kinds = []
+    for sector, count in zip(sectors.tolist(), passes.tolist(), strict=True):
+        first = sector * _SECTOR_DEG
+        place = f" at {first} to {first + _SECTOR_DEG} deg" if count >= _FEWEST_PASSES else ""
+        kinds.append(f"cycle turn{place} (rad)")
+    return np.array(kinds)
+
+
+def _blending(share: Array) -> Rows:
+    """Weights (n, k) of the turns on surfaces as worn as _WEAR_NODES, and their slopes by the
+    share.
+    """
+    bases = np.eye(len(_WEAR_NODES))
+    polynomials = [lagrange(_WEAR_NODES, basis) for basis in bases]
+    weights = np.stack([polynomial(share) for polynomial in polynomials], axis=-1)
+    slopes = np.stack([polynomial.deriv()(share) for polynomial in polynomials], axis=-1)
+    return weights, slopes
 
 
 def cycles_by_unknowns(
@@ -395,7 +478,7 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, shapes and ring that were identified
     along with it.
     """
-    found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
-    material = Material("identified", surface.to_friction(), found_with=found)
+    rod_and_ring = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
+    material = Material("identified", surface.to_friction(), found_with=rod_and_ring)
     changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)
     return replace(changed, footprint=surface.footprint(loop.slider))

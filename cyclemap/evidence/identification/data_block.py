@@ -17,6 +17,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,
     FLOOR_NAMES,
+    PACE_NAMES,
     Parameter,
     ParameterSpace,
 )
@@ -34,7 +35,8 @@ SESSION_KINDS = ("session dome (kPa)", "session bow (kPa)", "session bow (kPa)")
 BELIEF_KINDS = (PRIOR_KIND, *SESSION_KINDS)
 # Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have
 # had; also the width of what is believed of spreads.
-USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
+USUAL_SPREAD = 2.0
+_BELIEVED_SESSIONS = 2
 # What is usual: how anisotropic floors are, rods and rings of steel on steel (a ring's lever is
 # the rod's friction times its radius), shapes of plates and floors, how well the frames of a robot
 # and a camera agree. Wide enough that data which know better overrule it.
@@ -55,6 +57,7 @@ USUAL = MappingProxyType(
         "pin_friction_radius": (0.8e-3, 0.5e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
+        **dict.fromkeys(PACE_NAMES, (0.0, 1.5)),
     }
 )
 Function = Callable[[Values], tuple[Array, Array]]
@@ -168,8 +171,10 @@ class DataBlock:
             residual.size,
             len(self.parameters),
         ):
-            shapes = f"residuals {residual.shape} and derivatives {jacobian.shape}"
-            raise InvalidInput(f"block {self.name!r} of {self.groups.size} rows gave {shapes}")
+            raise InvalidInput(
+                f"block {self.name!r} of {self.groups.size} rows gave residuals {residual.shape} "
+                f"and derivatives {jacobian.shape}"
+            )
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
             raise ConvergenceError(
                 f"block {self.name!r} has residuals or derivatives that are not finite"
@@ -188,7 +193,9 @@ class DataBlock:
         """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions
         are left out.
         """
-        rows, whole, part = np.flatnonzero(keep), self.function, self.part
+        rows = np.flatnonzero(keep)
+        whole = self.function
+        part = self.part
 
         def some(values: Values) -> tuple[Array, Array]:
             residual, jacobian = whole(values)
@@ -274,9 +281,9 @@ class JointProblem:
         labels = np.stack([index, np.concatenate([block.groups for block in self.blocks])])
         groups = np.unique(labels, axis=1, return_inverse=True)[1].reshape(-1)
         kinds = np.concatenate([block.kinds for block in self.blocks])
-        found, kind_index = np.unique(kinds, return_inverse=True)
+        kind_names, kind_index = np.unique(kinds, return_inverse=True)
         set_fields(self, fixed=fixed, block_index=index, groups=groups, kinds=kinds)
-        set_fields(self, kind_names=tuple(found.tolist()), kind_index=kind_index.reshape(-1))
+        set_fields(self, kind_names=tuple(kind_names.tolist()), kind_index=kind_index.reshape(-1))
 
     def values(self, vector: Array) -> dict[str, float]:
         """Return every parameter's value by name, at values (k,) of the free ones."""
@@ -287,7 +294,8 @@ class JointProblem:
         whatever a block raises.
         """
         values = self.values(vector)
-        residuals, jacobians = [], []
+        residuals = []
+        jacobians = []
         for block in self.blocks:
             residual, jacobian = block.residuals(values)
             residuals.append(residual)
@@ -299,7 +307,8 @@ class JointProblem:
 
         A free parameter that no block asks for any more is held at its value in `values`.
         """
-        chosen, parts = np.asarray(keep, dtype=bool), []
+        chosen = np.asarray(keep, dtype=bool)
+        parts = []
         for index, block in enumerate(self.blocks):
             rows = chosen[self.block_index == index]
             if rows.any():

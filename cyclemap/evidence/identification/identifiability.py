@@ -52,7 +52,9 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     groups otherwise: the sandwich of Liang & Zeger. To both comes what estimating the weights of
     the kinds from the same data costs.
     """
-    law, scale, kinds = law or NoiseLaw(), problem.space.scale, problem.kind_index
+    law = law or NoiseLaw()
+    scale = problem.space.scale
+    kinds = problem.kind_index
     jacobian = fit.jacobian / fit.noise[kinds, None] * scale
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     seen = values > _RANK * np.max(values, initial=0.0)
@@ -68,13 +70,13 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
         # A belief counts by its deviation, which is known, not by how far off it happened to be.
         belief = np.isin(problem.kinds, BELIEF_KINDS)
         errors = (law.weight(scaled**2) * scaled / law.information)[~belief]
-        told, freedom = _grouped_variance(
+        sandwich, freedom = _grouped_variance(
             jacobian[~belief], errors, inverse, problem.groups[~belief]
         )
         believed = jacobian[belief] @ inverse
-        covariance = told + by_weights + believed.T @ believed
+        covariance = sandwich + by_weights + believed.T @ believed
         # What is known has no end of freedom (Satterthwaite 1946).
-        share = np.diag(told + by_weights) / np.maximum(np.diag(covariance), 1e-300)
+        share = np.diag(sandwich + by_weights) / np.maximum(np.diag(covariance), 1e-300)
         freedom = _degrees(freedom, share**2)
     error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     outer = np.outer(error, error)
@@ -104,11 +106,12 @@ def _kind_variance(
     """
     leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
     redundancy = np.where(known, np.inf, np.maximum(np.bincount(kinds, 1.0 - leverage), 0.1))
-    total, share = np.zeros_like(inverse), np.zeros((len(redundancy), len(inverse)))
+    total = np.zeros_like(inverse)
+    share = np.zeros((len(redundancy), len(inverse)))
     for kind, rest in enumerate(redundancy):
-        part = jacobian[kinds == kind] @ inverse
-        square = part.T @ part
-        total += 2.0 / rest * (square - part.T @ jacobian[kinds == kind] @ square)
+        own = jacobian[kinds == kind] @ inverse
+        square = own.T @ own
+        total += 2.0 / rest * (square - own.T @ jacobian[kinds == kind] @ square)
         share[kind] = np.diag(square)
     return total, _degrees(
         np.sum(share, axis=0) ** 2, np.sum(share**2 / redundancy[:, None], axis=0)
@@ -126,17 +129,21 @@ def _grouped_variance(
     unequal groups have little freedom.
     """
     order = np.argsort(groups, kind="stable")
-    meat, own, pull = [], [], []
+    meat = []
+    own = []
+    pull = []
     for rows in np.split(order, np.flatnonzero(np.diff(groups[order])) + 1):
-        part = jacobian[rows]
+        slopes = jacobian[rows]
         # The inverse square root; directions that the fit follows wholly have none and give zero.
-        values, vectors = np.linalg.eigh(np.eye(len(rows)) - part @ inverse @ part.T)
+        values, vectors = np.linalg.eigh(np.eye(len(rows)) - slopes @ inverse @ slopes.T)
         root = np.where(values > 1e-8, 1.0 / np.sqrt(np.maximum(values, 1e-8)), 0.0)
-        freed = vectors * root @ vectors.T @ part
+        freed = vectors * root @ vectors.T @ slopes
         meat.append(freed.T @ errors[rows])
         own.append(np.sum((freed @ inverse) ** 2, axis=0))
-        pull.append(part.T @ freed @ inverse)
-    scores, each, pulled = np.array(meat) @ inverse, np.array(own), np.array(pull)
+        pull.append(slopes.T @ freed @ inverse)
+    scores = np.array(meat) @ inverse
+    each = np.array(own)
+    pulled = np.array(pull)
     # Trace squared over squared norm of the quadratic form that estimates the variance of parameter
     # p: its matrix is diag(each_p) - U inverse U^T, U = pulled[:, :, p].
     fed = np.einsum("ij,gjp->gip", inverse, pulled)
@@ -158,13 +165,13 @@ def _open_directions(
     """Of each direction that the data leave open the parameters that take part, the greatest part
     first.
     """
-    told = []
+    directions = []
     for value, vector, visible in zip(values, vectors.T, seen, strict=True):
         if visible and value >= OPEN**-2:
             continue
-        part = np.abs(vector)
+        share = np.abs(vector)
         order = [
-            index for index in np.argsort(-part).tolist() if part[index] >= _NAMED * np.max(part)
+            index for index in np.argsort(-share).tolist() if share[index] >= _NAMED * np.max(share)
         ]
         *names, last = (problem.space.names[index] for index in order)
         signed = vector * np.sign(vector[order[0]]) * problem.space.scale
@@ -174,5 +181,5 @@ def _open_directions(
         together = (
             f"{', '.join(names)} and {last} trade off: the data hardly tell a change of {moves}"
         )
-        told.append(together if names else f"{last} is not fixed by the data")
-    return tuple(told)
+        directions.append(together if names else f"{last} is not fixed by the data")
+    return tuple(directions)

@@ -4,6 +4,7 @@ qualifies them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -21,6 +22,7 @@ from cyclemap.evidence.identification.data_block import (
     DataBlock,
     JointProblem,
     Labels,
+    Values,
     prior_block,
 )
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
@@ -44,7 +46,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, part_of
 from cyclemap.written import UNWRITTEN
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
@@ -101,7 +103,9 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
     groups = len(np.unique(problem.groups[~stays]))
     if not 2 <= whole_number("folds", folds) <= groups:
         raise InvalidInput(f"folds must be from 2 to the {groups} groups of the data, not {folds}")
-    rng, dealt, fold = np.random.default_rng(seed), 0, np.full(int(np.max(problem.groups)) + 1, -1)
+    rng = np.random.default_rng(seed)
+    dealt = 0
+    fold = np.full(int(np.max(problem.groups)) + 1, -1)
     for block in range(len(problem.blocks)):
         members = rng.permutation(
             np.unique(problem.groups[(problem.block_index == block) & ~stays])
@@ -124,22 +128,22 @@ def cross_validate(
     Returns residuals (n,), predicted less measured, nan where a row was never left out (fold -1) or
     its fold had no answer, and why folds had none. `progress` is called with the fraction done.
     """
-    count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
-    residuals, failures = np.full(len(fold), np.nan), []
-    for one in range(count):
+    count = int(np.max(fold)) + 1
+    whole = problem.values(fit.vector)
+    residuals = np.full(len(fold), np.nan)
+    failures = []
+    for index in range(count):
+        out = fold == index
         try:
-            part = problem.subset(fold != one, whole)
-            noise = np.array(
-                [fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names]
-            )
-            found = Search(part, law).minimise(part.space.vector(whole), noise, _CLOSE)
-            values = part.values(found.vector)
-            left_out = problem.subset(fold == one, values)
-            residuals[fold == one] = left_out.evaluate(left_out.space.vector(values))[0]
+            rest = problem.subset(~out, whole)
+            noise = fit.noise[[problem.kind_names.index(kind) for kind in rest.kind_names]]
+            best = Search(rest, law).minimise(rest.space.vector(whole), noise, _CLOSE)
+            values = rest.values(best.vector)
+            left_out = problem.subset(out, values)
+            residuals[out] = left_out.evaluate(left_out.space.vector(values))[0]
         except NO_ANSWER as cause:
-            failures.append(f"fold {one}: {type(cause).__name__}: {cause}")
-        if progress is not None:
-            progress((one + 1) / count)
+            failures.append(f"fold {index}: {type(cause).__name__}: {cause}")
+        part_of(progress, index, count)(1.0)
     return residuals, failures
 
 
@@ -149,28 +153,28 @@ def kind_errors(
     """Return the sizes of the errors of every kind in every block; also of rows left out, and of
     flat isotropy.
     """
-    nothing, found = np.full(len(fit.residuals), np.nan), []
-    told = [nothing if one is None else one for one in (fit.residuals, left_out, isotropic)]
-    for number, block in enumerate(problem.blocks):
+    errors = []
+    for index, block in enumerate(problem.blocks):
         for kind in np.unique(block.kinds).tolist():
             if kind in BELIEF_KINDS:
                 continue
-            rows = (problem.block_index == number) & (problem.kinds == kind)
-            sizes = []
-            for errors in (residuals[rows] for residuals in told):
-                # Of components the lengths of their vectors count.
-                size = (
-                    np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
-                )
-                known = size[np.isfinite(size)]
-                moments = (
-                    (np.mean(known), np.median(known), np.sqrt(np.mean(known**2)))
-                    if known.size
-                    else [np.nan] * 3
-                )
-                sizes += [float(moment) for moment in moments]
-            found.append(KindErrors(block.name, kind, size.size, *sizes[:8]))
-    return tuple(found)
+            rows = (problem.block_index == index) & (problem.kinds == kind)
+            inside = _moments(kind, fit.residuals[rows])
+            outside = _moments(kind, None if left_out is None else left_out[rows])
+            plain = _moments(kind, None if isotropic is None else isotropic[rows])
+            count = int(np.sum(rows)) // (2 if kind in PLANE_KINDS else 1)
+            errors.append(KindErrors(block.name, kind, count, *inside, *outside, *plain[:2]))
+    return tuple(errors)
+
+
+def _moments(kind: str, errors: Array | None) -> list[float]:
+    """Mean, median and root mean square of the sizes of errors that are known; nan without any."""
+    if errors is None or not np.isfinite(errors).any():
+        return [np.nan] * 3
+    # Of components the lengths of their vectors count.
+    sizes = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
+    known = sizes[np.isfinite(sizes)]
+    return [float(np.mean(known)), float(np.median(known)), float(np.sqrt(np.mean(known**2)))]
 
 
 @dataclass(frozen=True)
@@ -267,7 +271,7 @@ class Identification:
         """The estimates of what outlasts the data: all but how far single rods were off their
         marks.
         """
-        return tuple(found for found in self.estimates if not found.name.startswith(ROD_OFF))
+        return tuple(row for row in self.estimates if not row.name.startswith(ROD_OFF))
 
     @property
     def values(self) -> dict[str, float]:
@@ -381,7 +385,9 @@ def identify(
     """
     student_quantile(level, 10.0)
     whole_number("seed", seed, least=0)
-    law, believed, known = NoiseLaw(student), dict(priors or {}), dict(noise or {})
+    law = NoiseLaw(student)
+    believed = dict(priors or {})
+    known = dict(noise or {})
     if believed:
         blocks = (*blocks, prior_block(believed))
     if any(PRIOR_KIND in block.kinds for block in blocks):
@@ -391,46 +397,52 @@ def identify(
     fold = None if folds == 0 else random_folds(problem, folds, seed)
     report = progress or (lambda fraction: None)
     # The searches are the first three fifths of the work, cross-validation the rest.
-    found = multi_start(
+    searches = multi_start(
         problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done)
     )
-    fit = found.best
+    fit = searches.best
     errors = uncertainty(problem, fit, law)
-    left_out, failures = None, list[str]()
+    left_out = None
+    failures = list[str]()
     if fold is not None:
         left_out, failures = cross_validate(
             problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done)
         )
     report(1.0)
     estimates = _estimates(problem, fit, errors, level)
-    notes += [*_notes(found, errors, estimates, believed), *failures]
-    for block in blocks:
-        stayed = (
-            0
-            if block.stayed is None
-            else block.stayed(block.own_values(problem.values(fit.vector)))
-        )
-        if stayed:
-            reason = "the rod misses it, or the motion has no answer"
-            strokes = len(block.groups) if block.motions is None else len(block.motions)
-            notes.append(
-                f"{block.name}: {stayed} of {strokes} are taken to leave the object where it "
-                f"was: {reason}"
-            )
-    # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
-    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset", "rod_off")
-    usual = {
-        name: 0.0 if name.startswith(plain) else value
-        for name, value in problem.space.nominal.items()
-    }
-    held = {name: 0.0 if name.startswith(plain) else value for name, value in problem.fixed.items()}
-    isotropic = None
-    with suppress(*NO_ANSWER):
-        isotropic = replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
-    table = kind_errors(problem, fit, left_out, isotropic)
+    notes += [*_notes(searches, errors, estimates, believed), *failures]
+    notes += _stayed_notes(blocks, problem.values(fit.vector))
+    table = kind_errors(problem, fit, left_out, _isotropic_residuals(problem))
     return Identification(
-        estimates, level, believed, table, found, fit, errors, tuple(notes), problem
+        estimates, level, believed, table, searches, fit, errors, tuple(notes), problem
     )
+
+
+def _stayed_notes(blocks: Sequence[DataBlock], values: Values) -> list[str]:
+    """Of blocks of strokes, how many are taken to leave the object where it was."""
+    notes = []
+    for block in blocks:
+        if block.stayed is None or block.motions is None:
+            continue
+        stayed = block.stayed(block.own_values(values))
+        if stayed:
+            notes.append(
+                f"{block.name}: {stayed} of {len(block.motions)} are taken to leave the object "
+                "where it was: the rod misses it, or the motion has no answer"
+            )
+    return notes
+
+
+def _isotropic_residuals(problem: JointProblem) -> Array | None:
+    """The residuals of isotropic friction, plate and floor flat, rod and ring as usual, no frames
+    shifted; None where that has no answer.
+    """
+    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset", "rod_off")
+    usual = {**problem.fixed, **problem.space.nominal}
+    flat = {name: 0.0 if name.startswith(plain) else usual[name] for name in usual}
+    with suppress(*NO_ANSWER):
+        return replace(problem, fixed=flat).evaluate(problem.space.vector(flat))[0]
+    return None
 
 
 def _problem(
@@ -461,52 +473,57 @@ def _estimates(
     problem: JointProblem, fit: Fit, errors: Uncertainty, level: float
 ) -> tuple[Estimate, ...]:
     """Every free parameter with its interval, cut at its bounds."""
-    told = zip(
-        problem.space.parameters, fit.vector, errors.standard_error, errors.freedom, strict=True
-    )
-    found = []
-    for one, value, error, freedom in told:
-        half = student_quantile(level, float(freedom)) * error if np.isfinite(error) else np.inf
-        open_below, open_above = bool(value - half <= one.lower), bool(value + half >= one.upper)
-        nearer = "lower" if value - one.lower <= one.upper - value else "upper"
+    columns = (fit.vector.tolist(), errors.standard_error.tolist(), errors.freedom.tolist())
+    estimates = []
+    for row, value, error, freedom in zip(problem.space.parameters, *columns, strict=True):
+        half = student_quantile(level, freedom) * error if math.isfinite(error) else math.inf
+        open_below = value - half <= row.lower
+        open_above = value + half >= row.upper
+        nearer = "lower" if value - row.lower <= row.upper - value else "upper"
         estimate = Estimate(
-            one.name,
-            one.description,
-            one.unit,
-            float(value),
-            float(max(value - half, one.lower)),
-            float(min(value + half, one.upper)),
-            float(error),
+            row.name,
+            row.description,
+            row.unit,
+            value,
+            max(value - half, row.lower),
+            min(value + half, row.upper),
+            error,
             not (open_below and open_above),
-            nearer if one.name in fit.on_bounds else "",
+            nearer if row.name in fit.on_bounds else "",
             open_below,
             open_above,
         )
-        found.append(estimate)
-    return tuple(found)
+        estimates.append(estimate)
+    return tuple(estimates)
 
 
 def _notes(
-    found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs
+    searches: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs
 ) -> list[str]:
     """All that qualifies the result, in words."""
-    fit, notes, failed = found.best, [*errors.open], len(found.failures)
+    fit = searches.best
+    notes = [*errors.open]
+    failed = len(searches.failures)
     if not fit.converged:
         notes.append(f"the search did not converge: {fit.message}")
     if failed:
-        notes.append(f"{failed} of {found.count} starts had no answer")
-    elsewhere = found.count - failed - found.arrived
+        notes.append(f"{failed} of {searches.count} starts had no answer")
+    elsewhere = searches.count - failed - searches.arrived
     if elsewhere:
-        notes.append(f"{elsewhere} of {found.count} starts ended in other, worse minima")
+        notes.append(f"{elsewhere} of {searches.count} starts ended in other, worse minima")
     notes += [f"{name} lies on a bound" for name in fit.on_bounds]
-    notes += [f"{one.name} is not identifiable" for one in estimates if not one.identifiable]
-    told = [one for one in estimates if one.name in believed and not one.name.startswith(ROD_OFF)]
-    untold = [one.name for one in told if one.standard_error > _TOLD * believed[one.name][1]]
+    notes += [f"{row.name} is not identifiable" for row in estimates if not row.identifiable]
+    untold = []
+    few = []
+    for estimate, freedom in zip(estimates, errors.freedom, strict=True):
+        name = estimate.name
+        width = believed.get(name, (0.0, math.inf))[1]
+        if estimate.standard_error > _TOLD * width and not name.startswith(ROD_OFF):
+            untold.append(name)
+        if freedom < _FEW:
+            few.append(name)
     if untold:
         notes.append(f"the data hardly tell {', '.join(untold)}: what is believed of it counts")
-    few = [
-        one.name for one, freedom in zip(estimates, errors.freedom, strict=True) if freedom < _FEW
-    ]
     if few:
         notes.append(f"few independent groups: the intervals of {', '.join(few)} are rough")
     return notes

@@ -23,13 +23,15 @@ from cyclemap.mechanics import Material, PlatePressure
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
 # What a floor tells of the friction ellipse, but for its size, which no motion tells, and the ring.
-_ELLIPSE, _RING = SURFACE.names[1:5], "pin_friction_radius"
+_ELLIPSE = SURFACE.names[1:5]
+_RING = "pin_friction_radius"
 FLOOR_TOLD = (*_ELLIPSE, _RING)
 _FOUND = ("pusher_friction", _RING)
 # Samples that differ by less than this share of their mean are all the same.
 _ALIKE = 1e-9
 # How well a material knows what it has no samples of.
-_SURE, _SURE_SHAPE = {"pusher_friction": 0.02, _RING: 5e-4}, 0.5
+_SURE = {"pusher_friction": 0.02, _RING: 5e-4}
+_SURE_SHAPE = 0.5
 
 
 def known_beliefs(
@@ -47,10 +49,11 @@ def known_beliefs(
     if floor is None:
         return {}
     count = 0 if floor.posterior is None else len(floor.posterior)
-    drawn, believed = [floor.sample(number) for number in range(count)], {}
+    drawn = [floor.sample(index) for index in range(count)]
+    believed = {}
     for name in names:
         plain, _, owner = name.partition("[")
-        rows = [_told(one, plain, owner.rstrip("]") or plate) for one in (floor, *drawn)]
+        rows = [_told(known, plain, owner.rstrip("]") or plate) for known in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
         stated, *samples = np.array(rows, dtype=float).tolist()
@@ -104,10 +107,12 @@ def known_shapes(
     """
     asked = {name for block in blocks for name in block.parameters}
     values: dict[str, float] = {}
-    for one in plates:
-        for name, size in zip(PLATE_NAMES, one.shape.bend.tolist(), strict=True):
-            alone = {name: size} if one.plate == plate and name in asked else {}
-            values |= {f"{name}[{one.plate}]": size} if f"{name}[{one.plate}]" in asked else alone
+    for known in plates:
+        for name, size in zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True):
+            alone = {name: size} if known.plate == plate and name in asked else {}
+            values |= (
+                {f"{name}[{known.plate}]": size} if f"{name}[{known.plate}]" in asked else alone
+            )
     return values
 
 

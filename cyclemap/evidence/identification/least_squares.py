@@ -27,21 +27,27 @@ _LEAST_NOISE = 1e-9
 _LEAST_REDUNDANCY = 0.5
 # The noise of given residuals stands still at a change below this share, which takes a dozen
 # rounds.
-_WEIGHTINGS, _SETTLED = 100, 1e-4
+_WEIGHTINGS = 100
+_SETTLED = 1e-4
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
 # The noise counts as found when no kind changes by more than this share: parameters then move by
 # less than a twentieth of their standard errors. While it still changes more, fits need not be
 # close; later they may be off by a twentieth of what the deviance changes by at a standard error, a
 # share of the rows.
-_NOISE_TOLERANCE, _ROUGH = 5e-3, 0.05
+_NOISE_TOLERANCE = 5e-3
+_ROUGH = 0.05
 # What few sessions tell of how they differ counts less by this factor.
 _LOOSE = 0.1
-_FIRST, _LATER, _OFF = 1e-2, 1e-5, 0.05
+_FIRST = 1e-2
+_LATER = 1e-5
+_OFF = 0.05
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
-_ROUNDS, _MOST = 40, 200
-_SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
+_ROUNDS = 40
+_MOST = 200
+_SAME_DEVIANCE = 0.01
+_SAME_PLACE = 1e-3
 _ON_BOUND = 1e-3
 
 
@@ -73,7 +79,8 @@ class NoiseLaw:
         """Return rho, rho' and rho'' at squared standardised residuals (n,): (3, n)."""
         if self.freedom is None:
             return np.stack([z, np.ones_like(z), np.zeros_like(z)])
-        m, weight = self.freedom, self.weight(z)
+        m = self.freedom
+        weight = self.weight(z)
         return np.stack([(m + 1.0) * np.log1p(z / m), weight, -weight / (m + z)])
 
     def weight(self, z: Array) -> Array:
@@ -154,14 +161,16 @@ class Search:
             if kind not in problem.kind_names:
                 raise unknown_name("kind of noise", kind, problem.kind_names)
             positive_number(f"noise of {kind!r}", size)
-        self.problem, self.law = problem, law or NoiseLaw()
+        self.problem = problem
+        self.law = law or NoiseLaw()
         # What is given of the noise (kinds,), nan elsewhere, and its least size, told by the first
         # start.
         self.held = np.array(
             [(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float
         )
         self.floor: Array | None = None
-        self.count, self.progress = 0, part_of(None, 0, 1)
+        self.count = 0
+        self.progress = part_of(None, 0, 1)
         self._known: dict[bytes, tuple[Array, Array]] = {}
 
     def solve(self, start: Array, progress: Progress) -> Fit:
@@ -171,22 +180,26 @@ class Search:
         told. Raises what the model raises at the start, and ConvergenceError where a kind's noise
         cannot be told.
         """
-        self.count, self.progress = 0, progress
-        vector, index, held = self.inside(start), self.problem.kind_index, self.held
-        squares, rows = (
-            np.bincount(index, self.at(vector)[0] ** 2, held.size),
-            np.bincount(index, minlength=held.size),
-        )
+        self.count = 0
+        self.progress = progress
+        vector = self.inside(start)
+        index = self.problem.kind_index
+        held = self.held
+        squares = np.bincount(index, self.at(vector)[0] ** 2, held.size)
+        rows = np.bincount(index, minlength=held.size)
         first = np.sqrt(squares / rows)
         if self.floor is None:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
-        told = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
-        tolerance, close = _FIRST, float(np.clip(_OFF / index.size, _LATER, 10.0 * _LATER))
+        counts = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
+        tolerance = _FIRST
+        close = float(np.clip(_OFF / index.size, _LATER, 10.0 * _LATER))
         for _ in range(_ROUNDS):
             fit = self.minimise(vector, noise, tolerance)
-            vector, new = fit.vector, self.estimated_noise(fit, self.floor)
-            change, noise = float(np.max(np.abs(np.log(new / noise)) * told)), new
+            vector = fit.vector
+            new = self.estimated_noise(fit, self.floor)
+            change = float(np.max(np.abs(np.log(new / noise)) * counts))
+            noise = new
             if tolerance == close and change < _NOISE_TOLERANCE:
                 break
             if change < _ROUGH:
@@ -204,16 +217,17 @@ class Search:
         key = vector.tobytes()
         if key not in self._known:
             self.count += 1
-            found = self.problem.evaluate(vector)
+            both = self.problem.evaluate(vector)
             self.progress(self.count / (self.count + _HALF_WAY))
-            self._known = dict([*self._known.items()][-8:]) | {key: found}
+            self._known = dict([*self._known.items()][-8:]) | {key: both}
         return self._known[key]
 
     def inside(self, vector: Array) -> Array:
         """Return the point, strictly within the bounds."""
-        lower, upper = self.problem.space.lower, self.problem.space.upper
+        lower = self.problem.space.lower
+        upper = self.problem.space.upper
         width = np.where(np.isfinite(upper - lower), upper - lower, 1.0)
-        return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
+        return np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width)
 
     def minimise(self, start: Array, noise: Array, tolerance: float) -> Fit:
         """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within
@@ -224,7 +238,9 @@ class Search:
         """
         from scipy.optimize import least_squares
 
-        space, size, begin = self.problem.space, noise[self.problem.kind_index], self.inside(start)
+        space = self.problem.space
+        size = noise[self.problem.kind_index]
+        begin = self.inside(start)
         self.at(begin)
         if len(space) == 0:
             return self.fit(begin, noise, True, "nothing is free")
@@ -235,7 +251,7 @@ class Search:
             except NO_ANSWER:
                 return np.full(len(size), np.inf)
 
-        found = least_squares(
+        minimum = least_squares(
             residuals,
             begin,
             lambda vector: self.at(vector)[1] / size[:, None],
@@ -247,15 +263,13 @@ class Search:
             gtol=1e-12,
             max_nfev=_MOST,
         )
-        return self.fit(found.x, noise, found.status > 0, found.message)
+        return self.fit(minimum.x, noise, minimum.status > 0, minimum.message)
 
     def fit(self, vector: Array, noise: Array, converged: bool, message: str) -> Fit:
         """Return what there is to tell of a minimum at this noise (kinds,)."""
-        space, size, (residuals, jacobian) = (
-            self.problem.space,
-            noise[self.problem.kind_index],
-            self.at(vector),
-        )
+        space = self.problem.space
+        size = noise[self.problem.kind_index]
+        (residuals, jacobian) = self.at(vector)
         gap = np.minimum(vector - space.lower, space.upper - vector) / space.scale
         return Fit(
             read_only(vector),
@@ -279,12 +293,10 @@ class Search:
         ConvergenceError where the parameters follow all rows of a kind, so that its noise cannot be
         told.
         """
-        index, names, noise, held = (
-            self.problem.kind_index,
-            self.problem.kind_names,
-            fit.noise,
-            self.held,
-        )
+        index = self.problem.kind_index
+        names = self.problem.kind_names
+        noise = fit.noise
+        held = self.held
         weight = self.law.weight((fit.residuals / noise[index]) ** 2)
         weighed = fit.jacobian / noise[index, None] * np.sqrt(weight)[:, None]
         length = np.linalg.norm(weighed, axis=0)
@@ -309,8 +321,9 @@ class Search:
             half = 0.5 * left_over * USUAL_SPREAD**2
             tame = half * (np.sqrt(1.0 + 2.0 * variance / half) - 1.0)
             variance = np.where(between_sessions, tame, variance)
-            found = np.maximum(np.sqrt(variance), floor)
-            before, noise = noise, np.where(np.isnan(held), found, held)
+            sizes = np.maximum(np.sqrt(variance), floor)
+            before = noise
+            noise = np.where(np.isnan(held), sizes, held)
             if np.max(np.abs(np.log(noise / before))) < _SETTLED:
                 break
             weight = self.law.weight((fit.residuals / noise[index]) ** 2)
@@ -323,7 +336,8 @@ def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
     """
     from scipy.stats import qmc
 
-    space, size = problem.space, whole_number("number of starts", count, least=1)
+    space = problem.space
+    size = whole_number("number of starts", count, least=1)
     low = np.maximum(space.start - 2 * space.scale, space.lower)
     high = np.minimum(space.start + 2 * space.scale, space.upper)
     if size == 1 or len(space) == 0:
@@ -348,14 +362,16 @@ def multi_start(
 
     Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an answer.
     """
-    search, fits, failures = Search(problem, law, known), [], []
-    for number, start in enumerate(starts):
-        part = part_of(progress, number, len(starts))
+    search = Search(problem, law, known)
+    fits = []
+    failures = []
+    for index, start in enumerate(starts):
+        report = part_of(progress, index, len(starts))
         try:
-            fits.append(search.solve(start, part))
+            fits.append(search.solve(start, report))
         except NO_ANSWER as cause:
             failures.append(f"{type(cause).__name__}: {cause}")
-        part(1.0)
+        report(1.0)
     if not fits:
         raise ConvergenceError(
             f"none of {len(starts)} starts has an answer; the first: {failures[0]}"

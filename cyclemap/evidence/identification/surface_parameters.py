@@ -15,9 +15,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
+from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import (
@@ -40,6 +42,8 @@ PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
 # target on, in 50 mm.
 HEIGHT_POWERS = ((3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (3, 1), (2, 2), (1, 3), (0, 4))
 FIELD_NAMES = tuple(f"floor_h{m}{n}" for m, n in HEIGHT_POWERS)
+# How fast a surface wears may differ between so many equal stretches of the cycles made on it.
+PACE_NAMES = tuple(f"wear_pace_{stretch}" for stretch in range(1, 9))
 # Beyond this from the target (m) pushes are too few to tell it: the shape stays what it is there.
 FIELD_REACH = 0.025
 # Beyond this, kPa at 50 mm, a foundation of steel plates is as good as rigid.
@@ -150,13 +154,12 @@ class ParameterSpace:
     scale: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "names", tuple(one.name for one in self.parameters))
+        object.__setattr__(self, "names", tuple(row.name for row in self.parameters))
         if len(set(self.names)) < len(self.names):
             raise InvalidInput(f"a parameter is named twice: {self.names}")
         for key in ("lower", "upper", "start", "scale"):
-            object.__setattr__(
-                self, key, np.array([getattr(one, key) for one in self.parameters], dtype=float)
-            )
+            column = np.array([getattr(row, key) for row in self.parameters], dtype=float)
+            object.__setattr__(self, key, column)
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -309,6 +312,24 @@ def field_factors() -> Array:
     return factors
 
 
+def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> tuple[Array, Array]:
+    """Return how much of the wear is done, 0 to 1, and its derivatives (n, k) by the logarithms
+    of the pace.
+
+    The wear of a stretch is the exponential of its logarithm over the sum of all; within a stretch
+    the pace is even. pace : (k,), of k equal stretches; elapsed : (n,), shares of the data.
+
+    >>> worn_share([0.0, 0.0], [0.25, 1.0])[0].tolist()
+    [0.25, 1.0]
+    """
+    worn = np.exp(np.asarray(pace, dtype=float))
+    worn /= worn.sum()
+    stretches = np.arange(worn.size)
+    done = np.clip(worn.size * np.asarray(elapsed)[:, np.newaxis] - stretches, 0.0, 1.0)
+    share = done @ worn
+    return share, worn * (done - share[:, np.newaxis])
+
+
 def floor_field(values: Mapping[str, float]) -> FloorField | None:
     """Return how values by name let a floor's shape vary with the place, kPa; None where they do
     not.
@@ -374,7 +395,8 @@ class SurfaceParameters:
 
     def __post_init__(self) -> None:
         for name in SURFACE.names:
-            value, bounds = finite_number(name, getattr(self, name)), SURFACE[name]
+            value = finite_number(name, getattr(self, name))
+            bounds = SURFACE[name]
             object.__setattr__(self, name, value)
             if not bounds.lower <= value <= bounds.upper:
                 raise InvalidInput(
@@ -397,19 +419,9 @@ class SurfaceParameters:
         for name in others:
             if name not in SURFACE.names[5:]:
                 raise unknown_name("parameter besides friction", name, SURFACE.names[5:])
-        mean, ratio = (
-            math.sqrt(friction.mu_a * friction.mu_b),
-            math.log(friction.mu_a / friction.mu_b),
-        )
-        c, k = math.cos(friction.phi), math.sin(friction.phi)
-        return cls(
-            math.log(mean),
-            ratio * math.cos(2.0 * friction.phi),
-            ratio * math.sin(2.0 * friction.phi),
-            (c * friction.m0 - k * friction.n0) / mean,
-            (k * friction.m0 + c * friction.n0) / mean,
-            **others,
-        )
+        scale = 0.5 * math.log(friction.mu_a * friction.mu_b)
+        offset_x, offset_y, half_x, half_y = Anisotropy.of(friction).seen_from(0.0).tolist()
+        return cls(scale, 2.0 * half_x, 2.0 * half_y, offset_x, offset_y, **others)
 
     def values(self) -> dict[str, float]:
         """Return the values by name."""
@@ -421,9 +433,12 @@ class SurfaceParameters:
         Raises InvalidInput where the offset leaves the ellipse, so that some direction of sliding
         would gain energy.
         """
-        ratio, phi, mean = *self._ellipse(), math.exp(self.friction_scale)
-        c, k = math.cos(phi), math.sin(phi)
-        m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
+        ratio, phi = self._ellipse()
+        mean = math.exp(self.friction_scale)
+        c = math.cos(phi)
+        k = math.sin(phi)
+        m0 = c * self.offset_x + k * self.offset_y
+        n0 = -k * self.offset_x + c * self.offset_y
         return EllipseFriction(
             mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi
         )
@@ -456,45 +471,31 @@ class SurfaceParameters:
         ndarray, shape (..., k)
             Derivatives by these parameters.
 
-        Raises
-        ------
-        InvalidInput
-            For an unknown name.
-
         Notes
         -----
         Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
         """
-        columns = np.asarray(jacobian, dtype=float)
-        if columns.shape[-1:] != (len(names),):
-            raise InvalidInput(
-                f"the jacobian has shape {columns.shape}: its last axis must match the "
-                f"{len(names)} names"
-            )
         ratio, phi = self._ellipse()
-        law, mean = self.to_friction(), math.exp(self.friction_scale)
+        law = self.to_friction()
+        mean = math.exp(self.friction_scale)
         # The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no
         # bound at a circle.
         double = np.array((math.cos(2 * phi), math.sin(2 * phi)))
         across = np.array((-math.sin(2 * phi), math.cos(2 * phi)))
-        c, k = math.cos(phi), math.sin(phi)
+        c = math.cos(phi)
+        k = math.sin(phi)
         friction = np.zeros((5, len(SURFACE)))
         friction[:4, 0] = law.mu_a, law.mu_b, law.m0, law.n0
-        friction[0, 1:3], friction[1, 1:3] = 0.5 * law.mu_a * double, -0.5 * law.mu_b * double
+        friction[0, 1:3] = 0.5 * law.mu_a * double
+        friction[1, 1:3] = -0.5 * law.mu_b * double
         friction[4, 1:3] = across / (2.0 * ratio)
-        friction[2, 1:3], friction[3, 1:3] = law.n0 * friction[4, 1:3], -law.m0 * friction[4, 1:3]
+        friction[2, 1:3] = law.n0 * friction[4, 1:3]
+        friction[3, 1:3] = -law.m0 * friction[4, 1:3]
         friction[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
-        table = dict(
-            zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True)
-        )
-        for name in names:
-            if name not in table:
-                raise unknown_name("parameter of the mechanics", name, table)
-        for name in parameters:
-            if name not in SURFACE.names:
-                raise unknown_name("parameter", name, SURFACE.names)
-        rows = np.array([table[name] for name in names]).reshape(len(names), len(SURFACE))
-        return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
+        by_all = np.vstack([np.eye(len(SURFACE)), friction])
+        rows = [(*SURFACE.names, *FRICTION_NAMES).index(name) for name in names]
+        columns = [SURFACE.names.index(name) for name in parameters]
+        return np.asarray(jacobian @ by_all[np.ix_(rows, columns)])
 
     def _ellipse(self) -> tuple[float, float]:
         """Return log(mu_a/mu_b), never quite zero, and phi."""
@@ -539,7 +540,8 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
         )
     if start is not None:
         loop = loop.with_material(start)
-    pressed, unit = loop.footprint, mean_pressure(loop.slider)
+    pressed = loop.footprint
+    unit = mean_pressure(loop.slider)
     floor, plate = (
         (pressed.floor, pressed.plate) if isinstance(pressed, PressedFootprint) else (FLAT, FLAT)
     )
@@ -551,7 +553,7 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
         **dict(zip(PLATE_NAMES, (unit * plate.bend).tolist(), strict=True)),
     ).values()
     space = ParameterSpace(
-        tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters)
+        tuple(replace(row, nominal=values[row.name]) for row in SURFACE.parameters)
     )
     if start is None:
         return space
@@ -559,5 +561,5 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     margin = 0.01 * (space.upper - space.lower)
     inside = np.clip(space.vector(values), space.lower + margin, space.upper - margin).tolist()
     return ParameterSpace(
-        tuple(replace(one, start=at) for one, at in zip(space.parameters, inside, strict=True))
+        tuple(replace(row, start=at) for row, at in zip(space.parameters, inside, strict=True))
     )

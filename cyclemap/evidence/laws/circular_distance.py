@@ -10,11 +10,12 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.theta0_pairs import bin_index
+from cyclemap.evidence.laws.turn_bins import bin_index
 from cyclemap.maps.operator.transfer_operator import peaks_of
 from cyclemap.written import NUMBER
 
@@ -50,10 +51,10 @@ class CircularLaw:
     ----------
     knots : ndarray, shape (cells + 1,)
         Ends of the cells, rad.
-    heights : ndarray, shape (cells + 1,)
-        Density at the knots, per radian.
     masses : ndarray, shape (cells + 1,)
         Distribution function at the knots.
+    by_cell : scipy.interpolate.PPoly
+        Distribution function of an angle counted in cells.
 
     Raises
     ------
@@ -85,8 +86,8 @@ class CircularLaw:
     density: Density
     cells: int = 2048
     knots: Array = field(init=False, repr=False)
-    heights: Array = field(init=False, repr=False)
     masses: Array = field(init=False, repr=False)
+    by_cell: PPoly = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not callable(self.density):
@@ -115,23 +116,20 @@ class CircularLaw:
             )
         below = np.append(0.0, np.cumsum(parts) / total)
         below[-1] = 1.0
+        mass = np.diff(below)
+        # At most three times the mean slope: the cubic then never falls.
+        heights = values[::2] * (TWO_PI / (total * count))
+        rise = np.minimum(heights[:-1], 3.0 * mass)
+        end = np.minimum(heights[1:], 3.0 * mass)
+        cubic = [rise + end - 2.0 * mass, 3.0 * mass - 2.0 * rise - end, rise, below[:-1]]
         object.__setattr__(self, "knots", read_only(np.linspace(0.0, TWO_PI, count + 1)))
-        object.__setattr__(self, "heights", read_only(values[::2] / total))
         object.__setattr__(self, "masses", read_only(below))
+        object.__setattr__(self, "by_cell", PPoly(cubic, np.arange(count + 1.0)))
 
     def cumulative(self, theta: ArrayLike) -> Array:
         """Probability of the arc from 0 to θ mod 2π, any shape."""
         angle = np.mod(finite_array("theta", theta), TWO_PI)
-        step = TWO_PI / self.cells
-        cell = np.minimum((angle / step).astype(np.int64), self.cells - 1)
-        t = (angle - self.knots[cell]) / step
-        low, mass = self.masses[cell], self.masses[cell + 1] - self.masses[cell]
-        # At most three times the mean slope: the cubic then never falls.
-        rise = np.minimum(self.heights[cell] * step, 3.0 * mass)
-        end = np.minimum(self.heights[cell + 1] * step, 3.0 * mass)
-        return np.asarray(
-            low + t * (rise + t * (3.0 * mass - 2.0 * rise - end + t * (rise + end - 2.0 * mass)))
-        )
+        return np.asarray(self.by_cell(angle * (self.cells / TWO_PI)))
 
     def bin_probabilities(self, bins: int) -> Array:
         """Probability of each of ``bins`` equal bins over [0, 2π)."""
@@ -150,7 +148,7 @@ def orientations(name: str, sample: ArrayLike, single: bool = False) -> Array:
         )
     wrapped = np.mod(angles, TWO_PI)
     # An angle a hair below 0 wraps to exactly 2π.
-    return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
+    return np.where(wrapped >= TWO_PI, 0.0, wrapped)
 
 
 def _two_samples(sample: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
@@ -201,16 +199,17 @@ def circular_wasserstein(sample: ArrayLike, law: CircularLaw | ArrayLike) -> Arr
         # F - G is constant from one angle of either sample to the next.
         pair = _two_samples(sample, law)
         angles = np.unique(np.concatenate(pair))
-        shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
-        levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
+        shares = [np.searchsorted(np.sort(own), angles, side="right") / own.size for own in pair]
+        levels = shares[0] - shares[1]
+        gaps = np.diff(angles, append=angles[0] + TWO_PI)
         order = np.argsort(levels)
         median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
         return np.asarray(np.abs(levels - median) @ gaps)[()]
     angles = orientations("sample", sample)
     rows = angles.reshape(-1, angles.shape[-1])
     block = max(1, _BLOCK // (rows.shape[1] + law.cells))
-    found = [_wasserstein_rows(rows[at : at + block], law) for at in range(0, len(rows), block)]
-    return np.concatenate(found).reshape(angles.shape[:-1])[()]
+    distances = [_wasserstein_rows(rows[at : at + block], law) for at in range(0, len(rows), block)]
+    return np.concatenate(distances).reshape(angles.shape[:-1])[()]
 
 
 def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
@@ -226,21 +225,22 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
         np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1
     )
     steps = np.cumsum(order < size, axis=1) / size
-    high, low = (
-        steps - reached,
-        steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1),
-    )
+    high = steps - reached
+    low = steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
     # The level that it lies below on half of the circle, by bisection.
     span = np.where(high > low, high - low, 1.0)
     rate = np.where(high > low, 1.0 / span, 1e300)
-    bottom, top = np.min(low, axis=1), np.max(high, axis=1)
+    bottom = np.min(low, axis=1)
+    top = np.max(high, axis=1)
     for _ in range(_HALVINGS):
         middle = 0.5 * (bottom + top)
         share = np.clip((middle[:, None] - low) * rate, 0.0, 1.0)
         under = np.einsum("ij,ij->i", share, width) < np.pi
-        bottom, top = np.where(under, middle, bottom), np.where(under, top, middle)
+        bottom = np.where(under, middle, bottom)
+        top = np.where(under, top, middle)
     level = 0.5 * (bottom + top)[:, None]
-    above, below = high - level, low - level
+    above = high - level
+    below = low - level
     crossing = (above > 0.0) & (below < 0.0)
     mean = np.where(crossing, (above**2 + below**2) / (2.0 * span), 0.5 * np.abs(above + below))
     return np.asarray(np.sum(width * mean, axis=1))
@@ -283,15 +283,15 @@ def total_variation(
     if not isinstance(law, CircularLaw):
         pair = _two_samples(sample, law)
         first, second = (
-            np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair
+            np.bincount(bin_index(own, bins), minlength=bins) / own.size for own in pair
         )
         return np.asarray(0.5 * np.sum(np.abs(first - second)))[()]
     angles = orientations("sample", sample)
     rows = bin_index(angles, bins).reshape(-1, angles.shape[-1])
     flat = rows + bins * np.arange(len(rows))[:, None]
     shares = np.bincount(flat.ravel(), minlength=len(rows) * bins).reshape(-1, bins) / rows.shape[1]
-    found = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)
-    return np.asarray(found).reshape(angles.shape[:-1])[()]
+    distances = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)
+    return np.asarray(distances).reshape(angles.shape[:-1])[()]
 
 
 @dataclass(frozen=True, eq=False)
@@ -347,7 +347,9 @@ def monte_carlo_p_value(observed: float, simulated: ArrayLike) -> PValue:
     if null.size == 0:
         raise InvalidInput("there are no simulated values: run at least one")
     reached = int(np.sum(null >= mark - _TIE * max(1.0, abs(mark))))
-    more, fewer, total = reached + 1, null.size - reached + 1, null.size + 2
+    more = reached + 1
+    fewer = null.size - reached + 1
+    total = null.size + 2
     error = float(np.sqrt(more * fewer / (total**2 * (total + 1))))
     quantiles = read_only(np.quantile(null, PValue.LEVELS))
     return PValue((1 + reached) / (null.size + 1), null.size, mark, quantiles, error)

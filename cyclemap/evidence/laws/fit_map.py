@@ -39,10 +39,12 @@ from cyclemap.maps import (
     sample_staircase,
 )
 
-MAX_WEAR_DEGREE, HARMONICS = 4, 6
+MAX_WEAR_DEGREE = 4
+HARMONICS = 6
 # A law of so many harmonics may do anything in a wider gap (rad); it wants so many pairs more than
 # coefficients.
-_WIDEST_GAP, _FEWEST_FREE = math.radians(60.0), 6
+_WIDEST_GAP = math.radians(60.0)
+_FEWEST_FREE = 6
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
 _LEAST_PAIRS = 8  # fewer do not tell a jump of their turns from a slope
@@ -99,9 +101,7 @@ class WornLaw:
     def turns(self, theta: Array, cycle: Array) -> Array:
         """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
         polynomials = _polynomials(cycle, self.first, self.last, self.degree)
-        return np.asarray(
-            series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel()
-        )
+        return series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel()
 
     def at(self, cycle: float) -> PeriodicLaw:
         """The law of one cycle (any real number), with the covariance of that cycle's
@@ -175,7 +175,8 @@ def fit_worn_law(
         )
     if np.ptp(cycles) == 0.0:
         raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
-    first, last = float(cycles.min()), float(cycles.max())
+    first = float(cycles.min())
+    last = float(cycles.max())
     orders = candidate_orders("harmonics", harmonics, max_harmonics)
     degrees = candidate_orders("degree", degree, MAX_WEAR_DEGREE)
     polynomials = _polynomials(cycles, first, last, max(degrees))
@@ -285,12 +286,14 @@ class FittedMap:
         The scatter of one cycle is taken as independent of the next one's; measured scatter often
         is not.
         """
-        worn, count = self._worn(), whole_number("cycles", cycles, least=1)
+        worn = self._worn()
+        count = whole_number("cycles", cycles, least=1)
         begin = worn.first if first is None else finite_number("first", first)
         rng = np.random.default_rng(whole_number("seed", seed, least=0))
         followed = [finite_array("starts", starts, ndim=1)]
         for n in range(count):
-            law, theta = worn.at(begin + n), followed[-1]
+            law = worn.at(begin + n)
+            theta = followed[-1]
             followed.append(theta + law(theta) + law.noise(theta) * rng.standard_normal(theta.size))
         return np.stack(followed, axis=1)
 
@@ -391,7 +394,8 @@ def _without_jumps(theta: Array, images: Array) -> Array:
     # From each angle to the next one round the circle: whole turns, and what is left of the change.
     change = np.diff(turn[order], append=turn[order[0]])
     whole = np.round(change / TWO_PI)
-    left, jumps = np.abs(change - TWO_PI * whole), whole != 0.0
+    left = np.abs(change - TWO_PI * whole)
+    jumps = whole != 0.0
     allowed = max(_NEAR_WHOLE, _JUMP_SPREADS * float(np.median(left)))
     if (
         np.count_nonzero(jumps) < 2
@@ -421,7 +425,8 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
     descending = (law.cosine - 1j * law.sine)[::-1].tolist()
 
     def scalar(theta: float) -> float:
-        turner, total = cmath.exp(1j * theta), 0j
+        turner = cmath.exp(1j * theta)
+        total = 0j
         for coefficient in descending:
             total = total * turner + coefficient
         return theta + total.real
@@ -541,8 +546,10 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     gap = float(np.diff(places, append=places[0] + TWO_PI).max())
     harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
     if gap > _WIDEST_GAP:
-        told = f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
-        return MeasuredStaircase(path, steps, None, told)
+        problem = (
+            f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
+        )
+        return MeasuredStaircase(path, steps, None, problem)
     if harmonics < 1:
         return MeasuredStaircase(
             path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to"
@@ -552,7 +559,8 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
         raise InvalidInput(
             "the measured turns lie exactly on a smooth curve: they are no measurement with noise"
         )
-    noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
+    noise = WrappedNormal(fitted.sigma)
+    fitted_map = fitted.map
     try:
         prediction = predict_staircase(fitted_map, noise)
     except ConvergenceError as error:

@@ -13,7 +13,9 @@ from cyclemap.arrays import Array, Whole
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
 
-FOLDS, BLOCKS_A_FOLD, SMALLEST_BLOCK = 10, 5, 8
+FOLDS = 10
+BLOCKS_A_FOLD = 5
+SMALLEST_BLOCK = 8
 
 
 def fourier_columns(theta: ArrayLike, harmonics: int) -> Array:
@@ -28,7 +30,8 @@ def fourier_columns(theta: ArrayLike, harmonics: int) -> Array:
     angles = np.asarray(theta, dtype=np.float64)
     multiples = np.multiply.outer(angles, np.arange(1, harmonics + 1))
     columns = np.ones((*angles.shape, 2 * harmonics + 1))
-    columns[..., 1::2], columns[..., 2::2] = np.cos(multiples), np.sin(multiples)
+    columns[..., 1::2] = np.cos(multiples)
+    columns[..., 2::2] = np.sin(multiples)
     return columns
 
 
@@ -60,7 +63,8 @@ def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> Line
     covariance = inverse * variance
     if correlated:
         # The covariances of the moments over lags, with Bartlett's weights: never negative.
-        moments, count = design * residuals[:, np.newaxis], value.size
+        moments = design * residuals[:, np.newaxis]
+        count = value.size
         lags = min(count - 1, int(np.ceil(1.3 * np.sqrt(count))))
         total = moments.T @ moments
         for lag in range(1, lags + 1):
@@ -134,10 +138,11 @@ def nested_errors(
     inf where the rest of the values does not fix the coefficients.
     """
     root = np.sqrt(np.broadcast_to(weight, value.shape))
-    design, value = design * root[:, np.newaxis], value * root
+    design = design * root[:, np.newaxis]
+    value = value * root
     errors = np.full((value.size, sizes.size), np.inf)
-    for one in range(int(fold.max()) + 1):
-        out = fold == one
+    for index in range(int(fold.max()) + 1):
+        out = fold == index
         q, r = np.linalg.qr(design[~out])
         projected = q.T @ value[~out]
         for j, size in enumerate(sizes.tolist()):
@@ -165,7 +170,7 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
     best = int(np.argmin(mean))
     finite = np.where(np.isfinite(errors), errors, 0.0)
     excess = np.array(
-        [np.mean((finite - finite[:, [best]])[fold == one], axis=0) for one in range(folds)]
+        [np.mean((finite - finite[:, [best]])[fold == index], axis=0) for index in range(folds)]
     )
     spread = np.std(excess, axis=0, ddof=1) / np.sqrt(folds)
     # Errors of rounding size differ by chance: there the floor decides for the simpler.

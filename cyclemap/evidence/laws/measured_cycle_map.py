@@ -15,23 +15,22 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.laws.push_sets import FEWEST
-from cyclemap.evidence.pushes.theta0_pairs import (
-    AngleHistogram,
-    Theta0Pairs,
-    angle_histogram,
-    is_covered,
-)
+from cyclemap.evidence.laws.turn_bins import AngleHistogram, angle_histogram, is_covered
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE
 
 _RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
-_PATIENCE, _LEAST = 3, 60
+_PATIENCE = 3
+_LEAST = 60
 # Early and late are told an eighth of the run from its ends: polynomials are least certain at the
 # very ends.
-_EARLY, _LATE = 0.125, 0.875
+_EARLY = 0.125
+_LATE = 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
 _WORN_IN = 0.25
 _GRID = 1440
@@ -40,13 +39,15 @@ _AROUND = TWO_PI * np.arange(_GRID) / _GRID
 FEWEST_FOR_WEAR = 100
 # Residuals within 10 degrees tell by how much a law is off there; where their mean is this many
 # standard errors from 0, it is: by chance some window of the circle is in one fit of twenty.
-_MISFIT_REACH, _MISFIT = float(np.radians(10.0)), 3.0
+_MISFIT_REACH = float(np.radians(10.0))
+_MISFIT = 3.0
 # Scatter is told where so many pairs, or as many as there are anywhere, lie as near.
 _CROWD = 10
 # Paths that lie less often than this where orientations were measured foretell nothing.
 _INSIDE = 0.98
 # Orientations that stand for all paths, and paths whose distance from these is measured.
-_POOLED, _COMPARED = 20_000, 40
+_POOLED = 20_000
+_COMPARED = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,12 +108,14 @@ def turn_pace(
 
     Raises InvalidInput where the map was fitted without cycle numbers.
     """
-    runs, sign = whole_number("runs", runs, least=1), 1.0 if path[-1] >= path[0] else -1.0
+    runs = whole_number("runs", runs, least=1)
+    sign = 1.0 if path[-1] >= path[0] else -1.0
     places = full_turns(path, level)
     measured = np.diff(cycle[places])
     quantiles = []
     for k, (place, taken) in enumerate(zip(places[:-1], measured, strict=True)):
-        start, patience = float(path[place]), int(_PATIENCE * float(taken)) + _LEAST
+        start = float(path[place])
+        patience = int(_PATIENCE * float(taken)) + _LEAST
         # A turn begins a little past its mark: by so much less it has to climb to the next.
         past = np.remainder(sign * start - sign * level, TWO_PI)
         paths = fitted.paths(
@@ -336,7 +339,8 @@ def measured_cycle_map(
     part_of(progress, 1, 2)(1.0)
     # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees
     # of each place.
-    worn, seen = fitted.wear, is_covered(pairs.theta, _AROUND)
+    worn = fitted.wear
+    seen = is_covered(pairs.theta, _AROUND)
     off = pairs.turn - fitted.law(pairs.theta)
     if worn is not None and pairs.cycle is not None:
         off = pairs.turn - worn.turns(pairs.theta, pairs.cycle)
@@ -347,11 +351,11 @@ def measured_cycle_map(
     bias = sums[:, 1] / np.maximum(crowd, 1)
     # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
     # crowds count.
-    told = np.flatnonzero(seen & (crowd > 0))
-    told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
-    size = np.sqrt(sums[told, 2] / crowd[told])
+    crowded = np.flatnonzero(seen & (crowd > 0))
+    crowded = crowded[crowd[crowded] >= min(_CROWD, int(np.max(crowd[crowded])))]
+    size = np.sqrt(sums[crowded, 2] / crowd[crowded])
     quietest, loudest = (
-        ScatterPlace(float(_AROUND[told[k]]), float(size[k]))
+        ScatterPlace(float(_AROUND[crowded[k]]), float(size[k]))
         for k in (np.argmin(size), np.argmax(size))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
@@ -362,28 +366,16 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about
     each place.
     """
-    worn, theta = fitted.wear, _AROUND
+    worn = fitted.wear
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    # Half of the 95 % interval of the turn: what the law states (the least of all turns is asked
-    # for, and a law of p coefficients is free in p places), more where residuals are alike, and its
-    # misfit: a law of too low an order is off by what its residuals have in common thereabouts,
-    # which no covariance knows.
-    alike = min(max(law.lag_correlation, 0.0), 0.99)
-    quantile = student_quantile(
-        1.0 - 0.05 / law.coefficients.size, law.count - law.coefficients.size
-    )
-    stated = quantile * law.standard_error(theta) * np.sqrt((1.0 + alike) / (1.0 - alike))
-    misfit, chance = np.abs(bias), law.noise(theta) / np.sqrt(np.maximum(crowd, 1))
-    turn, error = (
-        law(theta),
-        stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0),
-    )
+    turn = law(_AROUND)
+    error = _turn_error(law, bias, crowd)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
     def place(k: int, cycles: float | None = None) -> TurnPlace:
         return TurnPlace(
-            float(theta[k]),
+            float(_AROUND[k]),
             float(turn[k]),
             float(turn[k] - error[k]),
             float(turn[k] + error[k]),
@@ -416,6 +408,22 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     return MapState(cycle, tuple(sure), tuple(slow), tuple(undecided), slowest)
 
 
+def _turn_error(law: PeriodicLaw, bias: Array, crowd: Whole) -> Array:
+    """Half of the 95 % interval of the turn at each place.
+
+    What the law states (the least of all turns is asked for, and a law of p coefficients is free in
+    p places), more where residuals are alike, and its misfit: a law of too low an order is off by
+    what its residuals have in common thereabouts, which no covariance knows.
+    """
+    alike = min(max(law.lag_correlation, 0.0), 0.99)
+    count = law.coefficients.size
+    quantile = student_quantile(1.0 - 0.05 / count, law.count - count)
+    stated = quantile * law.standard_error(_AROUND) * np.sqrt((1.0 + alike) / (1.0 - alike))
+    misfit = np.abs(bias)
+    chance = law.noise(_AROUND) / np.sqrt(np.maximum(crowd, 1))
+    return np.asarray(stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0))
+
+
 def _least(values: Array, places: Whole) -> int:
     """The one of these places where the values are least: in the middle,
     where they are all alike."""
@@ -436,8 +444,8 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
     )
     if pairs.cycle is None or np.ptp(pairs.cycle) == 0.0:
         return fit(cycle=None)
-    told = wear and pairs.theta.size >= FEWEST_FOR_WEAR
-    fitted = fit(wear_degree=None if told else 0)
+    may_wear = wear and pairs.theta.size >= FEWEST_FOR_WEAR
+    fitted = fit(wear_degree=None if may_wear else 0)
     worn = fitted.wear
     if worn is None or worn.degree == 0 or worn.rmse_by_order is None:
         return fitted
@@ -450,7 +458,8 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
 
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:
     pairs = pairs.unbroken
-    path, cycle = pairs.path, pairs.path_cycle
+    path = pairs.path
+    cycle = pairs.path_cycle
     if (
         pairs.cycle is None
         or path is None
@@ -471,13 +480,14 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     pooled = whole[:, :: max(1, whole.size // _POOLED)].ravel()
     # Full turns climbed in cycles that no fitted pair covers.
     counts = (pairs.cycle >= cycle[begin]) & (pairs.cycle < cycle[-1])
-    left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[counts]))
+    climbed = float(path[-1] - path[begin])
+    left_out = climbed - float(np.sum(pairs.turn[counts]))
     fastest = float(_AROUND[np.argmax(np.abs(fitted.map.turn(_AROUND)))])
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(
         first_cycle=float(cycle[begin]),
-        measured_turns=float(path[-1] - path[begin]) / TWO_PI,
-        left_out_turns=float(left_out) / TWO_PI,
+        measured_turns=climbed / TWO_PI,
+        left_out_turns=left_out / TWO_PI,
         turns=(counted[:, -1] - counted[:, 0]) / TWO_PI,
         measured=np.interp(cycle[0] + np.arange(last + 1.0), cycle, path),
         run=whole[0],
@@ -487,8 +497,6 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
         histogram=angle_histogram(whole.ravel()),
         total_variation=float(total_variation(path, whole.ravel())),
         wasserstein=float(circular_wasserstein(path, pooled)),
-        run_distances=np.array(
-            [float(circular_wasserstein(one, pooled)) for one in whole[:_COMPARED]]
-        ),
+        run_distances=np.array([circular_wasserstein(run, pooled) for run in whole[:_COMPARED]]),
         pace=turn_pace(fitted, path, cycle, fastest, runs, seed + 2),
     )

@@ -23,8 +23,10 @@ from cyclemap.evidence.laws.linear_fit import (
     weighted_least_squares,
 )
 
-MAX_HARMONICS, _MAX_NOISE_HARMONICS = 12, 3
-_TOLERANCE, _MAX_ROUNDS = 1e-12, 500
+MAX_HARMONICS = 12
+_MAX_NOISE_HARMONICS = 3
+_TOLERANCE = 1e-12
+_MAX_ROUNDS = 500
 # Residuals this small beside the values are rounding: there is no scatter to describe.
 _ROUNDING = 1e-12
 # e to this is far beyond any ratio of variances, and its square is still a number.
@@ -56,12 +58,15 @@ def fit_with_scatter(
         return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
     # Reweighted least squares: the mean with weights 1/variance, the log-variance of its residuals,
     # and so on to the maximum of the normal likelihood; the variance is then raised by n/(n - p).
-    columns, weight, change = fourier_columns(theta, order), np.ones(value.size), np.inf
+    columns = fourier_columns(theta, order)
+    weight = np.ones(value.size)
+    change = np.inf
     for _ in range(_MAX_ROUNDS):
         coefficients, _ = weighted_least_squares(design, value, weight)
         gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
         renewed = np.exp(-(columns @ gamma))
-        change, weight = float(np.max(np.abs(renewed / weight - 1.0))), renewed
+        change = float(np.max(np.abs(renewed / weight - 1.0)))
+        weight = renewed
         if change < 1e-8:
             break
     else:
@@ -111,7 +116,8 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
             return gamma
         # The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises
         # (Armijo's rule).
-        start, share = loss(gamma), 1.0
+        start = loss(gamma)
+        share = 1.0
         while not start - (ahead := loss(gamma + share * step)) >= 1e-4 * share * decrease:
             if share < 1e-6 and np.isfinite(ahead):
                 break
@@ -136,14 +142,16 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
     fold = cycle_folds(value.size, seed)
     squares = nested_errors(design, value, np.array([design.shape[1]]), fold)[:, 0]
     if not np.isfinite(squares).all():
-        told = "the law cannot be fitted with a fold left out"
-        raise InvalidInput(f"{told}; give more pairs, or noise_harmonics yourself")
+        raise InvalidInput(
+            "the law cannot be fitted with a fold left out; give more pairs, or noise_harmonics "
+            "yourself"
+        )
     orders = np.arange(_MAX_NOISE_HARMONICS + 1)
     losses = np.empty((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)
-        for one in range(int(fold.max()) + 1):
-            out = fold == one
+        for index in range(int(fold.max()) + 1):
+            out = fold == index
             level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
             # A law that leaves no scatter at all where something was left out is lost by any
             # measure.
@@ -183,11 +191,6 @@ class PeriodicLaw:
         Root mean square error in values left out, by order, inf where it cannot be fitted; None
         where the order was given.
 
-    Raises
-    ------
-    InvalidInput
-        For shapes that do not fit each other.
-
     Examples
     --------
     >>> import numpy as np
@@ -210,18 +213,6 @@ class PeriodicLaw:
     rmse_by_order: Array | None = None
 
     def __post_init__(self) -> None:
-        size = finite_array("coefficients", self.coefficients, ndim=1).size
-        if (
-            size % 2 == 0
-            or np.shape(self.covariance) != (size, size)
-            or np.size(self.log_variance) % 2 == 0
-        ):
-            found = (
-                f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, "
-                f"{np.shape(self.log_variance)}"
-            )
-            told = f"coefficients, covariance, log_variance have shapes {found}"
-            raise InvalidInput(f"{told}, not (p,), (p, p), (q,), odd")
         for name in ("coefficients", "covariance", "log_variance"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
@@ -249,39 +240,32 @@ class PeriodicLaw:
 
     def __call__(self, theta: ArrayLike) -> Array:
         """The law at θ (radians, any shape)."""
-        return np.asarray(fourier_columns(theta, self.harmonics) @ self.coefficients)
+        return fourier_columns(theta, self.harmonics) @ self.coefficients
 
     def slope(self, theta: ArrayLike) -> Array:
         """dy/dθ, per radian."""
         order = np.arange(self.harmonics + 1)
         multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
-        return np.asarray(
-            np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
-        )
+        return np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
 
     def standard_error(self, theta: ArrayLike) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
         columns = fourier_columns(theta, self.harmonics)
-        return np.asarray(
-            np.sqrt(
-                np.maximum(np.einsum("...i,ij,...j->...", columns, self.covariance, columns), 0.0)
-            )
-        )
+        variance = np.einsum("...i,ij,...j->...", columns, self.covariance, columns)
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
     def noise(self, theta: ArrayLike) -> Array:
         """The standard deviation of one value about the law at θ."""
         columns = fourier_columns(theta, self.log_variance.size // 2)
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
-    def half_bands(self, theta: ArrayLike, level: float = 0.95) -> tuple[Array, Array]:
-        """How far Student's bands reach to either side of the law.
+    def half_bands(self, theta: ArrayLike) -> tuple[Array, Array]:
+        """How far Student's bands of 95 %, one angle at a time, reach to either side of the law.
 
         Parameters
         ----------
         theta : array_like
             Angles θ, rad, any shape.
-        level : float, default 0.95
-            Probability of each to hold at one angle at a time, in (0, 1).
 
         Returns
         -------
@@ -290,20 +274,13 @@ class PeriodicLaw:
         value : ndarray
             That of one new value, t·√(se² + noise²).
 
-        Raises
-        ------
-        InvalidInput
-            For a level outside (0, 1).
-
         Notes
         -----
         Exact for independent normal scatter of constant size about a law of the fitted order, else
         close for many values; errors of the order are not in them.
         """
-        quantile, error = (
-            student_quantile(level, self.count - self.coefficients.size),
-            self.standard_error(theta),
-        )
+        quantile = student_quantile(0.95, self.count - self.coefficients.size)
+        error = self.standard_error(theta)
         return quantile * error, quantile * np.hypot(error, self.noise(theta))
 
 
@@ -398,19 +375,24 @@ def fit_series(
     None without a choice. With scatter that depends on θ the choice is made again, with the weights
     of the first.
     """
-    weight, errors, order, degree = np.ones(values.size), None, orders[0], degrees[0]
+    weight = np.ones(values.size)
+    errors = None
+    order = orders[0]
+    degree = degrees[0]
     choice = len(orders) > 1 or len(degrees) > 1
     for _ in range(2 if choice and noise_harmonics != 0 else 1):
         if choice:
             # Each degree with all orders, which are nested, by what is left out of the folds.
-            fold, squares = cycle_folds(values.size, seed), []
-            sizes = [(2 * np.array(orders) + 1) * (one + 1) for one in degrees]
-            for one, size in zip(degrees, sizes, strict=True):
-                design = series_columns(angles, polynomials[:, : one + 1], max(orders))
+            fold = cycle_folds(values.size, seed)
+            squares = []
+            sizes = [(2 * np.array(orders) + 1) * (candidate + 1) for candidate in degrees]
+            for candidate, size in zip(degrees, sizes, strict=True):
+                design = series_columns(angles, polynomials[:, : candidate + 1], max(orders))
                 squares.append(nested_errors(design, values, size, fold, weight))
             chosen, mean = simplest_good(np.hstack(squares), np.concatenate(sizes), fold)
             errors = np.sqrt(mean).reshape(len(degrees), len(orders))
-            order, degree = orders[chosen % len(orders)], degrees[chosen // len(orders)]
+            order = orders[chosen % len(orders)]
+            degree = degrees[chosen // len(orders)]
         design = series_columns(angles, polynomials[:, : degree + 1], order)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
@@ -441,8 +423,11 @@ def law_of(
 
 def paired_arrays(name: str, theta: ArrayLike, value: ArrayLike) -> tuple[Array, Array]:
     """``theta`` and ``value`` as finite arrays (n,), n ≥ 1; InvalidInput otherwise."""
-    angles, values = finite_array("theta", theta, ndim=1), finite_array(name, value, ndim=1)
+    angles = finite_array("theta", theta, ndim=1)
+    values = finite_array(name, value, ndim=1)
     if angles.shape != values.shape or angles.size == 0:
-        sizes = f"{angles.size} and {values.size} entries"
-        raise InvalidInput(f"theta and {name} have {sizes}; give equally many, one or more")
+        raise InvalidInput(
+            f"theta and {name} have {angles.size} and {values.size} entries; give equally many, "
+            "one or more"
+        )
     return angles, values

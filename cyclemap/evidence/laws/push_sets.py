@@ -13,9 +13,9 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import Row, Selection
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, homes
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, homes
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.tables.columns import Row, Selection
 
 if TYPE_CHECKING:
     import pandas
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
-SURROUNDINGS, CONTACT, _TEXT = SET_FACTS[:4], SET_FACTS[4:], SET_FACTS[:2]
+SURROUNDINGS = SET_FACTS[:4]
+CONTACT = SET_FACTS[4:]
+_TEXT = SET_FACTS[:2]
 _LETTERS = {
     "acceleration": ("a", 1e3),
     "speed": ("v", 1e3),
@@ -138,12 +140,13 @@ def push_sets(pushes: PushTable, select: Selection | None = None) -> tuple[PushS
     gathered: list[tuple[Path, Row, pandas.DataFrame]] = []
     for home, rows in table.groupby(homes(table), sort=False):
         for columns in (SET_FACTS, SURROUNDINGS):
-            sets = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
-            if any(len(own) >= FEWEST for own in sets):
+            alike = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
+            if any(len(own) >= FEWEST for own in alike):
                 break
-        gathered += [(Path(home), _shared(own), own) for own in sets]
+        gathered += [(Path(home), _shared(own), own) for own in alike]
     names = _names([(home, facts) for home, facts, _ in gathered])
-    return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
+    sets = zip(names, gathered, strict=True)
+    return tuple(_push_set(name, *own, pushes.pairs.get(str(own[0]))) for name, own in sets)
 
 
 def _shared(rows: pandas.DataFrame) -> Row:
@@ -185,15 +188,16 @@ def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFr
     return table[kept]
 
 
-def _push_set(name: str, home: Path, facts: Row, rows: pandas.DataFrame) -> PushSet:
+def _push_set(
+    name: str, home: Path, facts: Row, rows: pandas.DataFrame, pairs: Theta0Pairs | None
+) -> PushSet:
+    """A set of pushes; pairs : of a table of orientations alone."""
     contacts = rows.groupby([*CONTACT], dropna=False).ngroups
     ordered = contacts == 1 and rows["repetition"].notna().all() and rows["repetition"].is_unique
     if ordered:
         rows = rows.sort_values("repetition", kind="stable")
     theta, dtheta, dx, dy = (rows[column].to_numpy() for column in ("theta0", *QUANTITIES))
-    if home.suffix.lower() == CSV_SUFFIX and not np.isfinite(dtheta).any():
-        pairs: Theta0Pairs | None = read_theta0_pairs(home)
-    else:
+    if pairs is None:
         pairs = _pairs(
             theta, rows["theta_next"].to_numpy(), rows["repetition"] if ordered else None
         )
@@ -208,12 +212,12 @@ def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) ->
     if repetition is None:
         return Theta0Pairs(theta[known], theta_next[known])
     # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
-    number = repetition.to_numpy()
+    numbers = repetition.to_numpy()
     turn = theta_next - theta
-    follows = known[:-1] & (np.diff(number) == 1.0)
+    follows = known[:-1] & (np.diff(numbers) == 1.0)
     steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    return Theta0Pairs.along(path, turn, known, number)
+    return Theta0Pairs.along(path, turn, known, numbers)
 
 
 def _names(sets: list[tuple[Path, Row]]) -> list[str]:
@@ -223,15 +227,15 @@ def _names(sets: list[tuple[Path, Row]]) -> list[str]:
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
     known = []
-    for number, (home, facts) in enumerate(sets, 1):
+    for index, (home, facts) in enumerate(sets, 1):
         short = " ".join(facts[key] for key in _TEXT if key in facts) or home.stem
-        told = [
+        letters = [
             f"{letter}={facts[key] * unit:g}"
             for key, (letter, unit) in _LETTERS.items()
             if key in facts and (letter != "a" or facts[key])
         ]
-        long = " ".join([short, *told])
-        known.append((short, long, f"{home.stem} {long}", f"{home.stem} {long} {number}"))
+        long = " ".join([short, *letters])
+        known.append((short, long, f"{home.stem} {long}", f"{home.stem} {long} {index}"))
     alike = [Counter(names) for names in zip(*known, strict=True)]
     return [
         next(name for name, counts in zip(names, alike, strict=True) if counts[name] == 1)
@@ -330,7 +334,7 @@ def push_statistics(pushes: PushSet) -> PushStatistics:
         reason = f"too few pushes with a known end for a spread: {count} of {_FEWEST_FOR_SPREAD}"
         return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
     dtheta, dx, dy = (
-        MotionStatistics(count, float(np.mean(one[known])), float(np.std(one[known], ddof=1)))
-        for one in (pushes.dtheta, pushes.dx, pushes.dy)
+        MotionStatistics(count, float(np.mean(column[known])), float(np.std(column[known], ddof=1)))
+        for column in (pushes.dtheta, pushes.dx, pushes.dy)
     )
     return PushStatistics(pushes.name, pushes.count, dtheta, dx, dy)

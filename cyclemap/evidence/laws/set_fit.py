@@ -61,6 +61,18 @@ class MotionLaw:
         inf where the others do not fix the law.
     problem : str or None
         Why there is no law; None where there is.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
+    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> dtheta = set_laws(pushes, harmonics=1)[0]
+    >>> dtheta.quantity, round(dtheta.explained, 6)
+    ('dtheta', 1.0)
     """
 
     quantity: str
@@ -80,57 +92,13 @@ class MotionLaw:
         return 1.0 - (self.cross_validated_rmse / self.law.total_std) ** 2
 
 
-@dataclass(frozen=True, eq=False)
-class SetLaws:
-    """A row of the table of fitted laws.
-
-    Attributes
-    ----------
-    name : str
-        That of the set.
-    count : int
-        How many pushes it has.
-    dtheta : MotionLaw
-        The law of Δθ, rad, over θ0.
-    dx, dy : MotionLaw
-        The laws of Δx and Δy, m, over θ0.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> import numpy as np
-    >>> from cyclemap.evidence import PushSet, set_laws
-    >>> theta = np.linspace(0.0, 6.0, 30)
-    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
-    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
-    >>> [law.quantity for law in set_laws(pushes, harmonics=1).laws]
-    ['dtheta', 'dx', 'dy']
-    """
-
-    name: str
-    count: int
-    dtheta: MotionLaw
-    dx: MotionLaw
-    dy: MotionLaw
-
-    @property
-    def laws(self) -> tuple[MotionLaw, MotionLaw, MotionLaw]:
-        """The three laws in the order of the table."""
-        return self.dtheta, self.dx, self.dy
-
-    @property
-    def problem(self) -> str | None:
-        """Why there is a law missing, else None."""
-        return next((law.problem for law in self.laws if law.problem), None)
-
-
 def set_laws(
     pushes: PushSet,
     *,
     harmonics: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
-) -> SetLaws:
+) -> tuple[MotionLaw, ...]:
     """Fit the laws of turn and displacement over θ0 to a set of pushes.
 
     Parameters
@@ -146,8 +114,8 @@ def set_laws(
 
     Returns
     -------
-    SetLaws
-        The three laws; one that cannot be fitted has its ``problem`` instead.
+    tuple of MotionLaw
+        Of Δθ (rad), Δx and Δy (m); one that cannot be fitted has its ``problem`` instead.
 
     Examples
     --------
@@ -157,7 +125,7 @@ def set_laws(
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
-    >>> set_laws(pushes, harmonics=1).dtheta.law.coefficients.round(6).tolist()[:2]
+    >>> set_laws(pushes, harmonics=1)[0].law.coefficients.round(6).tolist()[:2]
     [1.2, 0.1]
     """
     laws = []
@@ -165,7 +133,7 @@ def set_laws(
         values = getattr(pushes, quantity)
         laws.append(motion_law(quantity, pushes.theta, values, harmonics=harmonics, seed=seed))
         part_of(progress, index, len(QUANTITIES))(1.0)
-    return SetLaws(pushes.name, pushes.count, *laws)
+    return tuple(laws)
 
 
 def motion_law(
@@ -184,7 +152,8 @@ def motion_law(
     angles = np.asarray(theta, dtype=float)
     values = np.asarray(value, dtype=float)
     known = np.isfinite(values) & np.isfinite(angles)
-    angles, values = angles[known], values[known]
+    angles = angles[known]
+    values = values[known]
     if values.size < FEWEST:
         reason = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
         return MotionLaw(quantity, angles, values, None, float("nan"), reason)
@@ -197,11 +166,10 @@ def motion_law(
         return MotionLaw(quantity, angles, values, None, float("nan"), str(error))
     # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter
     # were chosen with all values: for a law of few coefficients that flatters it little.
-    columns, weight = (
-        fourier_columns(angles, law.harmonics),
-        scatter_weights(angles, law.log_variance),
-    )
-    size, fold = np.array([law.coefficients.size]), cycle_folds(values.size, seed)
+    columns = fourier_columns(angles, law.harmonics)
+    weight = scatter_weights(angles, law.log_variance)
+    size = np.array([law.coefficients.size])
+    fold = cycle_folds(values.size, seed)
     errors = nested_errors(columns, values, size, fold, weight)[:, 0]
     return MotionLaw(quantity, angles, values, law, float(np.sqrt(np.mean(errors / weight))))
 
@@ -325,7 +293,8 @@ def turn_histogram(
     (400, True)
     """
     angles, values = paired_arrays("value", theta, value)
-    centre, noise = law(angles), law.noise(angles)
+    centre = law(angles)
+    noise = law.noise(angles)
     reach = _MARGIN * noise
     low = min(np.min(values), np.min(centre - reach))
     high = max(np.max(values), np.max(centre + reach))
@@ -333,7 +302,8 @@ def turn_histogram(
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
     grid = np.linspace(low, high, _FINER * bins + 1)
-    seen, alone = _empirical(grid, values), _empirical(grid, centre)
+    seen = _empirical(grid, values)
+    alone = _empirical(grid, centre)
     spread = _mixture(grid, centre, noise)
     total_variation = _bin_distance(seen[::_FINER], spread[::_FINER])
     null = np.empty(whole_number("runs", runs, least=1))
@@ -361,7 +331,8 @@ def _refit(theta: Array, law: PeriodicLaw) -> Callable[[Array], tuple[Array, flo
     and the size of its scatter over that of the given law.
     """
     noise = law.noise(theta)
-    columns, free = fourier_columns(theta, law.harmonics), theta.size - law.coefficients.size
+    columns = fourier_columns(theta, law.harmonics)
+    free = theta.size - law.coefficients.size
     inverse = weighted_least_squares(columns, law(theta), noise**-2)[1]
     solve = inverse @ (columns / noise[:, np.newaxis] ** 2).T
 
@@ -404,8 +375,8 @@ class SetFit:
         The set.
     statistics : PushStatistics
         Mean and deviation of what its pushes did.
-    laws : SetLaws
-        The laws of turn and displacement.
+    laws : tuple of MotionLaw
+        The laws of Δθ (rad), Δx and Δy (m).
     histogram : TurnHistogram or None
         Of Δθ, measured and predicted; None without a law of Δθ, or where all Δθ are alike.
     cycle_map : MeasuredCycleMap or None
@@ -430,7 +401,7 @@ class SetFit:
 
     pushes: PushSet
     statistics: PushStatistics
-    laws: SetLaws
+    laws: tuple[MotionLaw, ...]
     histogram: TurnHistogram | None
     cycle_map: MeasuredCycleMap | None
     map_problem: str | None
@@ -439,7 +410,12 @@ class SetFit:
     @property
     def is_empty(self) -> bool:
         """Whether nothing could be fitted."""
-        return self.cycle_map is None and all(law.law is None for law in self.laws.laws)
+        return self.cycle_map is None and all(law.law is None for law in self.laws)
+
+    @property
+    def law_problem(self) -> str | None:
+        """Why there is a law missing, else None."""
+        return next((law.problem for law in self.laws if law.problem), None)
 
 
 def fit_set(
@@ -478,11 +454,12 @@ def fit_set(
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
-    >>> fit_set(pushes, harmonics=1).laws.count
-    30
+    >>> [law.quantity for law in fit_set(pushes, harmonics=1).laws]
+    ['dtheta', 'dx', 'dy']
     """
     laws = set_laws(pushes, harmonics=harmonics, seed=seed, progress=part_of(progress, 0, 2))
-    histogram, turns = None, laws.dtheta
+    histogram = None
+    turns = laws[0]
     if turns.law is not None and turns.law.total_std != 0.0:
         histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
     cycle_map = rest = None

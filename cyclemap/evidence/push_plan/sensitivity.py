@@ -16,7 +16,7 @@ import numpy as np
 
 from cyclemap.arrays import Array, evenly_spread
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.uncertain_directions import sampled_loop
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.stroke_block import (
     CYCLE_UNKNOWNS,
@@ -74,7 +74,10 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
         lack = "a plan needs samples of what is believed of the floor"
         mend = "give --floor unknown, plywood-floor, abs-floor, or a file that identify wrote"
         raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
-    every = [starting_space(sampled_loop(loop, number)).nominal for number in range(len(posterior))]
+    every = [
+        starting_space(on_material(loop, loop.material.sample(number))).nominal
+        for number in range(len(posterior))
+    ]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = evenly_spread(len(every), samples)
     return Beliefs(loop, tuple(every[index] for index in chosen), covariance)

@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array, Mask
-from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
 
 MIT_ROD_RADIUS = 0.00475
 # The rod's centre lies this close to one radius from the outline while it touches: poses and clocks
@@ -227,7 +227,9 @@ def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[
     edge (n,) it is on.
     """
     first, edge = polyline[:-1], np.diff(polyline, axis=0)
-    share = np.sum((points[:, None] - first) * edge, axis=-1) / np.sum(edge * edge, axis=-1)
+    # An edge without length is a point.
+    squares = np.maximum(np.sum(edge * edge, axis=-1), np.finfo(float).tiny)
+    share = np.sum((points[:, None] - first) * edge, axis=-1) / squares
     on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
     nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
     return np.asarray(on_edge[np.arange(len(points)), nearest]), nearest

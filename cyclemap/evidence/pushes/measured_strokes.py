@@ -15,8 +15,9 @@ import numpy as np
 
 from cyclemap.arrays import Array, Place, shorter_way
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import DRAG_ENDS, Row, Selection
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
+from cyclemap.evidence.pushes.push_table import PushTable, in_csv, load_pushes
+from cyclemap.evidence.tables.columns import DRAG_ENDS, Row, Selection
+from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem

@@ -169,12 +169,12 @@ def _name(
         name += f"_rep={whole_number('repetition', number, 0):0{digits}d}"
     seen = read(name)
     for fact, value in asdict(facts).items():
-        found = getattr(seen, fact, None)
-        same = value == found
-        if isinstance(value, (int, float)) and isinstance(found, (int, float)):
+        again = getattr(seen, fact, None)
+        same = value == again
+        if isinstance(value, (int, float)) and isinstance(again, (int, float)):
             # Directions are written to nine decimals of a degree, and are the same a full turn on.
-            both_unknown = math.isnan(value) and math.isnan(found)
-            same = both_unknown or abs(math.remainder(value - found, 2.0 * math.pi)) < 1e-10
+            both_unknown = math.isnan(value) and math.isnan(again)
+            same = both_unknown or abs(math.remainder(value - again, 2.0 * math.pi)) < 1e-10
         if not same:
             raise InvalidInput(
                 f"no file name can say {facts}: it would be read as {seen}; mend the texts and "

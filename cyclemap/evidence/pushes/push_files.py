@@ -1,5 +1,5 @@
-"""One recorded push or friction scan: its time series, checked, and the file of the MIT layout that
-holds them.
+"""Files of the MIT layout, one of each recorded push or friction scan, HDF5 or JSON, and what each
+tells as a row of a table.
 """
 
 from __future__ import annotations
@@ -7,27 +7,27 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import asdict, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.mit_names import scan_facts
-from cyclemap.mechanics.slider import Pose
+from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
+from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
+from cyclemap.evidence.pushes.recordings import PUSH_TABLES, PushRecord, ScanRecord
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row
+from cyclemap.evidence.tables.conventions import Convention
+from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
 
 if TYPE_CHECKING:
     import h5py
 
-HDF5_SUFFIXES = (".h5", ".hdf5")
-SUFFIXES = (*HDF5_SUFFIXES, ".json")
-PUSH_TABLES = ("object_pose", "tip_pose", "ft_wrench")
-TABLES = (*PUSH_TABLES, "tip_array")
 # HDF5's numbers of the filters shuffle, gzip and fletcher32, in the only order that is read.
 _FILTERS = (2, 1, 3)
 _GZIP = 1
@@ -42,157 +42,6 @@ _HDF5_FAULTS = (
     AttributeError,
     zlib.error,
 )
-# Beyond these no table-top measurement lies: a damaged number, or one in other units.
-LARGEST_POSITION, LARGEST_ANGLE = 100.0, 1e4
-_POSE_LIMITS = (1e11, LARGEST_POSITION, LARGEST_POSITION, LARGEST_ANGLE)
-_WRENCH_LIMITS = (1e11, 1e5, 1e5, 1e5)
-
-
-@dataclass(frozen=True, eq=False)
-class PushRecord:
-    """The time series of one push, each on its own clock, in the world frame.
-
-    Parameters
-    ----------
-    object_pose : array_like, shape (n, 4)
-        Time (s), x (m), y (m), angle (rad, wrapped or not) of the object.
-    tip_pose : array_like, shape (m, 4)
-        The same of the rod.
-    ft_wrench : array_like, shape (k, 4)
-        Time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT files have
-        it.
-
-    Raises
-    ------
-    InvalidInput
-        Naming the table and the row, for a wrong shape, fewer than two rows of a pose, a number
-        that is not finite or beyond what a table top holds (100 m, 1e4 rad, 1e5 N: mind the
-        units), and for a clock that runs backwards.
-
-    Examples
-    --------
-    >>> from cyclemap.evidence import PushRecord
-    >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
-    >>> push = PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]])
-    >>> round(push.turn, 6)
-    0.083185
-    """
-
-    object_pose: Array
-    tip_pose: Array
-    ft_wrench: Array
-
-    def __post_init__(self) -> None:
-        for name in PUSH_TABLES:
-            object.__setattr__(self, name, _checked_series(name, getattr(self, name)))
-
-    @cached_property
-    def object_angle(self) -> Array:
-        """(n,) rad, the object's angle without jumps of a full turn, from its first value."""
-        return read_only(np.unwrap(self.object_pose[:, 3]))
-
-    @property
-    def start(self) -> tuple[float, float, float]:
-        """The object's first pose: x (m), y (m), angle (rad) as recorded."""
-        x, y, theta = self.object_pose[0, 1:].tolist()
-        return x, y, theta
-
-    @property
-    def end(self) -> tuple[float, float, float]:
-        """The object's last pose: x (m), y (m), angle (rad) on the lift that begins at the first
-        pose.
-        """
-        x, y = self.object_pose[-1, 1:3].tolist()
-        return x, y, float(self.object_angle[-1])
-
-    @property
-    def displacement(self) -> tuple[float, float]:
-        """How far the object moved, m, along x and y of its own frame at the start."""
-        return Pose(*self.start).to_object(*self.end[:2])
-
-    @property
-    def turn(self) -> float:
-        """How far the object turned, rad, counted along the series: full turns are not lost."""
-        return float(self.object_angle[-1] - self.object_angle[0])
-
-    @property
-    def length(self) -> float:
-        """How far the rod moved, m: from its first recorded place to its last."""
-        x, y = (self.tip_pose[-1, 1:3] - self.tip_pose[0, 1:3]).tolist()
-        return math.hypot(x, y)
-
-
-@dataclass(frozen=True, eq=False)
-class ScanRecord:
-    """The time series of one friction scan: a straight stroke of the rod that carries the object
-    with it.
-
-    Parameters
-    ----------
-    tip : array_like, shape (m, 4)
-        Time (s), x (m), y (m), angle (rad) of the rod.
-    ft_wrench : array_like, shape (k, 4)
-        As in `PushRecord`, and refused alike.
-
-    Raises
-    ------
-    InvalidInput
-        As `PushRecord`.
-
-    Examples
-    --------
-    >>> from cyclemap.evidence import ScanRecord
-    >>> tip = [[0.0, 0.3, 0.0, 0.0], [1.0, 0.3, 0.1, 0.0]]
-    >>> ScanRecord(tip, [[0.0, 0.0, 2.0, 0.0]]).stroke
-    (0.0, 0.1)
-    """
-
-    tip: Array
-    ft_wrench: Array
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "tip", _checked_series("tip_array", self.tip))
-        object.__setattr__(self, "ft_wrench", _checked_series("ft_wrench", self.ft_wrench))
-
-    @property
-    def stroke(self) -> tuple[float, float]:
-        """From the first to the last place of the tip, m, in the world frame."""
-        x, y = (self.tip[-1, 1:3] - self.tip[0, 1:3]).tolist()
-        return x, y
-
-
-def _checked_series(name: str, value: object) -> Array:
-    """Return a table of (time, and three numbers) as a read-only array, or raise InvalidInput."""
-    try:
-        array = np.asarray(value)
-    except ValueError as cause:
-        raise InvalidInput(
-            f"{name} has rows of different lengths; it must have 4 columns throughout"
-        ) from cause
-    if array.dtype.kind not in "iuf":
-        raise InvalidInput(
-            f"{name} holds something other than numbers (type {array.dtype}); it must hold "
-            "numbers only"
-        )
-    array = array.astype(float)
-    least = 1 if name == "ft_wrench" else 2
-    if array.ndim != 2 or array.shape[1] != 4 or len(array) < least:
-        raise InvalidInput(
-            f"{name} has shape {array.shape}; it must have at least {least} rows of 4 columns"
-        )
-    limits = np.array(_WRENCH_LIMITS if name == "ft_wrench" else _POSE_LIMITS)
-    # Written so that NaN counts as out of bounds.
-    for row, column in np.argwhere(~(np.abs(array) <= limits))[:1]:
-        bound = f"it must be a number within {limits[column]:g}"
-        raise InvalidInput(
-            f"{name}, row {row}, column {column} is {array[row, column]:g}; {bound} (SI units)"
-        )
-    for row in np.flatnonzero(np.diff(array[:, 0]) < 0.0)[:1]:
-        back = array[row, 0] - array[row + 1, 0]
-        raise InvalidInput(
-            f"{name}: the clock runs backwards by {back:.3g} s behind row {row}; restore the file"
-        )
-    return read_only(array)
 
 
 def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
@@ -291,8 +140,8 @@ def _tables(path: Path) -> dict[str, Any]:
     except PermissionError as error:
         raise InvalidInput("there is no permission to read it") from error
     except _HDF5_FAULTS as error:
-        told = (str(error).splitlines() or [type(error).__name__])[0][:200]
-        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({told})") from error
+        cause = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({cause})") from error
 
 
 def _hdf5_table(file: h5py.File, name: str) -> Array:
@@ -331,7 +180,7 @@ def _refuse_false_packing(name: str, table: h5py.Dataset, room: int) -> None:
     whatever there is.
     """
     properties = table.id.get_create_plist()
-    filters = [properties.get_filter(number)[0] for number in range(properties.get_nfilters())]
+    filters = [properties.get_filter(index)[0] for index in range(properties.get_nfilters())]
     if filters != [code for code in _FILTERS if code in filters]:
         raise InvalidInput(
             f"{name} is packed in a way that is not known; write it with gzip or without packing"
@@ -388,3 +237,49 @@ def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
         ).encode()
     write_whole(path, content)
     return len(content)
+
+
+# -- as rows of a table
+
+
+def push_row(path: Path, record: PushRecord) -> Row:
+    """Return what a push and the name of its file tell, as a row of `PushTable.table`."""
+    facts = push_facts(path) or PushFacts()
+    outline = _mit_outline(facts.object)
+    tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
+    dx, dy = record.displacement
+    return {
+        **asdict(facts),
+        **dict(zip((*RODS, *ENDS), (*tips, *record.start, *record.end), strict=True)),
+        "dx": dx,
+        "dy": dy,
+        "dtheta": record.turn,
+        "length": record.length,
+        "force_ratio": math.nan if outline is None else contact_force_ratio(record, outline),
+        "samples": len(record.object_pose),
+        "path": str(path),
+    }
+
+
+def scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
+    """Return what a friction scan and the name of its file tell, as a row of `PushTable.scans`;
+    convention : in which it was written.
+    """
+    along, across = scan_forces(record)
+    facts = scan_facts(path) or ScanFacts()
+    if not convention.is_ours:
+        facts = replace(facts, direction=convention.direction(facts.direction))
+    return {
+        **asdict(facts),
+        "force_along": along,
+        "force_across": across,
+        "ratio": across / along if along else math.nan,
+        "samples": len(record.ft_wrench),
+        "path": str(path),
+    }
+
+
+@cache
+def _mit_outline(name: str | None) -> Array | None:
+    """The closed outline of an MIT shape as a polyline, m; None for any other object."""
+    return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None

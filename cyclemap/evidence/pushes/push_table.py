@@ -6,35 +6,26 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import asdict, dataclass, replace
-from functools import cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.columns import (
-    ENDS,
-    RODS,
-    Row,
-    has_columns,
-    known_columns,
-)
-from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_files import (
+from cyclemap.evidence.pushes.push_files import push_row, read_push_file, scan_row
+from cyclemap.evidence.pushes.recordings import (
     LARGEST_ANGLE,
     LARGEST_POSITION,
-    SUFFIXES,
     PushRecord,
-    ScanRecord,
-    read_push_file,
+    as_ours,
 )
-from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
-from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, doubt_degrees, pairs_in_table
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row, known_columns, our_names
+from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of, written_convention
+from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES
 from cyclemap.progress import Progress, part_of
 from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
 
@@ -46,12 +37,15 @@ _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # The share of rows that may have no pose; m, beyond which no push goes.
 _MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = (*RODS, *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (
     *SET_FACTS,
     "repetition",
     "length",
-    *_POSES,
+    *RODS,
+    *ENDS,
+    "dx",
+    "dy",
+    "dtheta",
     "theta_next",
     "force_ratio",
     "tip_error",
@@ -61,48 +55,48 @@ PUSH_COLUMNS = (
 )
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
-CSV_SUFFIX = ".csv"
 _TEXT = ("surface", "object", "path")
 
 
-def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[Row]:
-    """Read a CSV file of pushes: a list of rows with the columns of `PushTable.table`, in the order
-    of the file.
+def pushes_in_table(
+    table: CsvTable, convention: Convention = OURS
+) -> tuple[pandas.DataFrame, Theta0Pairs | None]:
+    """Return the pushes of a CSV table of ours, a row each, with the columns of `PushTable.table`,
+    in the order of the table; of orientations alone also the pairs.
 
     A table of poses has a header with `x0,y0,theta0,x1,y1,theta1` (m, rad; also `th0`, `th1`,
     `theta0_deg`, `theta1_deg`); it may have `surface`, `object` (or `shape`), `acceleration`
     (`a_mm_s2`), `speed` (`v_mm_s`), `side` (`i`), `fraction` (`s`), `angle` (`t`), `repetition`
-    (`rep`), `dtheta`, `theta_next` (`th0n`), `force_ratio`, and how far the rod moved: `length`
-    (`push_mm`), or its places `tip_x0,tip_y0,tip_x1,tip_y1` (m). Columns of other names are passed
-    over. What is absent or empty is NaN; `dtheta` is then the shorter way round, for two poses
-    cannot tell more. `theta_next` is put on the lift nearest to theta1.
+    (`rep`), `dtheta`, `theta_next` (`th0n`, `theta_next_deg`), `force_ratio`, and how far the rod
+    moved: `length` (`push_mm`), or its places `tip_x0,tip_y0,tip_x1,tip_y1` (m). Columns of other
+    names are passed over. What is absent or empty is NaN; `dtheta` is then the shorter way round,
+    for two poses cannot tell more. `theta_next` is put on the lift nearest to theta1.
 
     Any other table is read by `read_theta0_pairs`: a row a pair, with theta0 and theta_next alone
     (and its `rep`, where the file has it).
 
     convention : of the file's angles and axes. DataFileError names the file, the line and the mend.
     """
-    table = convention.table(read_csv_table(path))
+    import pandas
+
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
-    if has_columns(table, ENDS):
-        doubt_degrees(
-            table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header]
-        )
-        return [*_posed(table).assign(samples=0).to_dict("records")]
-    pairs = read_theta0_pairs(table.path, convention=convention)
-    numbers = np.full(pairs.theta.size, math.nan)
-    if "theta0_accum_deg" in table.header and pairs.cycle is not None:
-        numbers = pairs.cycle
-    names = ("repetition", "theta0", "theta_next")
-    columns = np.transpose([numbers, pairs.theta, pairs.theta_next]).tolist()
-    unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
-    return [unknown | dict(zip(names, row, strict=True)) for row in columns]
+    if {*our_names(table.header)} >= {*ENDS}:
+        return _posed(table, convention), None
+    pairs = pairs_in_table(table, convention)
+    is_numbered = "theta0_accum_deg" in table.header and pairs.cycle is not None
+    columns = {
+        "theta0": pairs.theta,
+        "theta_next": pairs.theta_next,
+        "repetition": pairs.cycle if is_numbered else math.nan,
+    }
+    return pandas.DataFrame(columns).assign(samples=0, path=str(table.path)), pairs
 
 
-def _posed(table: CsvTable) -> pandas.DataFrame:
+def _posed(table: CsvTable, convention: Convention) -> pandas.DataFrame:
     """The pushes of a table of poses."""
-    frame = known_columns(table, ENDS, _MOST_LOST)
+    doubt_degrees(table, ("theta0_deg", "theta1_deg"))
+    frame = convention.rows(known_columns(table, ENDS, _MOST_LOST))
     _refuse_other_units(table, frame)
     rod = np.hypot(frame["tip_x1"] - frame["tip_x0"], frame["tip_y1"] - frame["tip_y0"])
     frame["length"] = rod.fillna(frame["length"])
@@ -112,7 +106,7 @@ def _posed(table: CsvTable) -> pandas.DataFrame:
     frame["theta_next"] = frame["theta1"] + shorter_way(frame["theta_next"] - frame["theta1"])
     moved = frame["x1"] - frame["x0"] + 1j * (frame["y1"] - frame["y0"])
     moved = (moved * np.exp(-1j * frame["theta0"])).to_numpy()
-    return frame.assign(dx=moved.real, dy=moved.imag)
+    return frame.assign(dx=moved.real, dy=moved.imag, samples=0)
 
 
 def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:
@@ -127,8 +121,8 @@ def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:
     far = np.hypot(frame["x1"] - frame["x0"], frame["y1"] - frame["y0"])
     for line, length in zip(frame["line"], far, strict=True):
         if length > _LONGEST_PUSH:
-            told = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
-            raise table.error(line, f"{told} Say so, --units mm,rad")
+            far_off = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
+            raise table.error(line, f"{far_off} Say so, --units mm,rad")
 
 
 @dataclass(frozen=True)
@@ -170,6 +164,9 @@ class PushTable:
         In which they were written; all of the table is in ours.
     convention_told : bool
         Whether somebody said it.
+    pairs : mapping of str to Theta0Pairs
+        Of each CSV table of orientations alone, by its path, the pairs with what a row cannot tell:
+        their whole path, and what was dropped of it.
 
     Notes
     -----
@@ -209,6 +206,7 @@ class PushTable:
     unreadable: tuple[UnreadableFile, ...]
     convention: Convention = OURS
     convention_told: bool = False
+    pairs: Mapping[str, Theta0Pairs] = field(default_factory=dict)
 
 
 def load_pushes(
@@ -255,7 +253,7 @@ def load_pushes(
     A file that cannot be read - cut short, damaged, a table missing, wrong columns, text or NaN
     among the numbers, a clock that runs backwards, a size that its file cannot hold - is listed in
     `unreadable` with the reason, and the rest is kept. For CSV tables of poses or of θ0 see
-    `read_push_csv`.
+    `pushes_in_table`.
 
     Examples
     --------
@@ -274,29 +272,55 @@ def load_pushes(
     'cut.json'
     """
     files, unreadable = _files(Path(path))
+    is_told = angles is not None or frame is not None or offset_deg is not None
     convention = convention_of(path, angles, frame, offset_deg)
-    pushes: list[Row] = []
-    scans: list[Row] = []
-    for index, file in enumerate(files):
-        try:
-            found = _rows(file, convention)
-        except DataFileError as error:
-            reason = str(error).removeprefix(f"{file}").lstrip(":, ")
-            unreadable.append(UnreadableFile(file, reason))
-        else:
-            pushes += found[0]
-            scans += found[1]
-        part_of(progress, index, len(files))(1.0)
-    table = _sorted_frame(pushes, PUSH_COLUMNS, (*SET_FACTS, "repetition", "path"))
-    table["theta_next"] = table["theta_next"].fillna(_next_start(table))
-    scan_table = _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path"))
-    unreadable.sort(key=lambda entry: entry.path)
+    loaded = _loaded(files, convention, progress)
+    unreadable += loaded.unreadable
     written, all_told = written_convention(path)
-    if angles is None and frame is None and offset_deg is None:
+    return replace(
+        loaded,
+        unreadable=tuple(sorted(unreadable, key=lambda entry: entry.path)),
         # Of a table that was brought to ours before its name tells in which it was.
-        convention = written
-    all_told = all_told or (angles is not None and frame is not None)
-    return PushTable(table, scan_table, tuple(unreadable), convention, all_told)
+        convention=convention if is_told else written,
+        convention_told=all_told or (angles is not None and frame is not None),
+    )
+
+
+def table_pushes(table: CsvTable) -> PushTable:
+    """Return the pushes of a CSV table of ours that was read already, as `load_pushes` does."""
+    written, all_told = written_convention(table.path)
+    loaded = _loaded([table], convention_of(table.path))
+    return replace(loaded, convention=written, convention_told=all_told)
+
+
+def _loaded(
+    files: Sequence[Path | CsvTable], convention: Convention, progress: Progress | None = None
+) -> PushTable:
+    """The pushes and scans of files, in our convention."""
+    frames: list[pandas.DataFrame] = []
+    pairs = dict[str, Theta0Pairs]()
+    pushes, scans, unreadable = list[Row](), list[Row](), list[UnreadableFile]()
+    for index, file in enumerate(files):
+        path = file.path if isinstance(file, CsvTable) else file
+        try:
+            if path.suffix.lower() == CSV_SUFFIX:
+                table = file if isinstance(file, CsvTable) else read_csv_table(file)
+                rows, own = pushes_in_table(table, convention)
+                frames.append(rows)
+                pairs |= {} if own is None else {str(path): own}
+            else:
+                record = as_ours(read_push_file(path), convention)
+                if isinstance(record, PushRecord):
+                    pushes.append(push_row(path, record))
+                else:
+                    scans.append(scan_row(path, record, convention))
+        except DataFileError as error:
+            reason = str(error).removeprefix(f"{path}").lstrip(":, ")
+            unreadable.append(UnreadableFile(path, reason))
+        part_of(progress, index, len(files))(1.0)
+    table = _push_frame([*frames, _frame(pushes, PUSH_COLUMNS)])
+    scan_table = _sorted(_frame(scans, SCAN_COLUMNS), _SCAN_ORDER)
+    return PushTable(table, scan_table, tuple(unreadable), pairs=pairs)
 
 
 def homes(table: pandas.DataFrame) -> pandas.Series:
@@ -346,65 +370,29 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
     ]
 
 
-def _rows(path: Path, convention: Convention) -> tuple[list[Row], list[Row]]:
-    """The rows of pushes and of scans that a file holds."""
-    if path.suffix.lower() == CSV_SUFFIX:
-        if not path.is_file():
-            raise DataFileError(f"{path}: there is no such file; check the path")
-        return read_push_csv(path, convention), []
-    record = convention.record(read_push_file(path))
-    if isinstance(record, PushRecord):
-        return [_push_row(path, record)], []
-    return [], [_scan_row(path, record, convention)]
-
-
-def _push_row(path: Path, record: PushRecord) -> Row:
-    facts = push_facts(path) or PushFacts()
-    outline = _mit_outline(facts.object)
-    tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
-    poses = (*tips, *record.start, *record.end, *record.displacement, record.turn)
-    return {
-        **asdict(facts),
-        **dict(zip(_POSES, poses, strict=True)),
-        "length": record.length,
-        "force_ratio": math.nan if outline is None else contact_force_ratio(record, outline),
-        "samples": len(record.object_pose),
-        "path": str(path),
-    }
-
-
-def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
-    along, across = scan_forces(record)
-    facts = scan_facts(path) or ScanFacts()
-    if not convention.is_ours:
-        facts = replace(facts, direction=convention.direction(facts.direction))
-    return {
-        **asdict(facts),
-        "force_along": along,
-        "force_across": across,
-        "ratio": across / along if along else math.nan,
-        "samples": len(record.ft_wrench),
-        "path": str(path),
-    }
-
-
-@cache
-def _mit_outline(name: str | None) -> Array | None:
-    """The closed outline of an MIT shape as a polyline, m; None for any other object."""
-    return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None
-
-
-def _sorted_frame(
-    rows: list[Row], columns: tuple[str, ...], order: tuple[str, ...]
-) -> pandas.DataFrame:
+def _push_frame(frames: Sequence[pandas.DataFrame]) -> pandas.DataFrame:
+    """Pushes of all files as one table, each with the start of the next of its set."""
     import pandas
 
-    # Not "str": pandas 2 makes the word "None" of a fact that is not known; here it is NaN as in
-    # other columns.
+    known = [_frame(frame, PUSH_COLUMNS) for frame in frames if len(frame)]
+    rows = pandas.concat(known) if known else _frame([], PUSH_COLUMNS)
+    table = _sorted(rows, (*SET_FACTS, "repetition"))
+    table["theta_next"] = table["theta_next"].fillna(_next_start(table))
+    return table
+
+
+def _frame(rows: list[Row] | pandas.DataFrame, columns: tuple[str, ...]) -> pandas.DataFrame:
+    """Rows with these columns; what is not known is NaN, of texts, too."""
+    import pandas
+
+    # Not "str": pandas 2 makes the word "None" of a fact that is not known.
     kinds = {
         name: "object" if name in _TEXT else "int64" if name == "samples" else "float64"
         for name in columns
     }
     frame = pandas.DataFrame(rows, columns=list(columns)).astype(kinds)
-    frame = frame.where(frame.notna(), math.nan)
-    return frame.sort_values(list(order), kind="stable", ignore_index=True)
+    return frame.where(frame.notna(), math.nan)
+
+
+def _sorted(frame: pandas.DataFrame, order: tuple[str, ...]) -> pandas.DataFrame:
+    return frame.sort_values([*order, "path"], kind="stable", ignore_index=True)

@@ -1,26 +1,21 @@
-"""Measured pairs (θ0, next θ0), and their sums: arcs covered, medians by bin, histogram, distance
-from a map.
-"""
+"""Measured pairs (θ0, next θ0), from tables of orientations alone."""
 
 from __future__ import annotations
 
 import math
 import warnings
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
-from cyclemap.checks import finite_array, require_room, whole_number
+from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.errors import DoubtfulInput, InvalidInput
-from cyclemap.evidence.pushes.conventions import Convention, convention_of
+from cyclemap.evidence.tables.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
-from cyclemap.written import ANGLE
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
@@ -44,12 +39,6 @@ _NEARBY, _FEWEST_NEARBY, _FAR_OFF, _LEAST_BY_HAND, _MOST_BY_HAND = (
 )
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
 _NEARLY_THE_NAME = 0.85
-# Measured orientations further apart than this leave a gap: laws of cycles may do anything within
-# 20 degrees.
-GAP = float(np.radians(20.0))
-# What lies this near an end of an arc is taken with it.
-_EDGE = float(np.radians(1.0))
-DEFAULT_BINS, _MOST_BINS = 72, 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +103,8 @@ class Theta0Pairs:
         ):
             shape = None if angles is None else angles.shape
             if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
-                told = f"{name} has shape {cycle.shape} for angles of shape {shape}"
-                raise InvalidInput(f"{told}; give one number an angle")
+                shapes = f"{name} has shape {cycle.shape} for angles of shape {shape}"
+                raise InvalidInput(f"{shapes}; give one number an angle")
 
     @classmethod
     def along(
@@ -232,18 +221,26 @@ def read_theta0_pairs(
     >>> np.degrees(pairs.turn).round(6).tolist()
     [10.0, 15.0]
     """
-    table = (convention or convention_of(path, angles, None, offset_deg)).table(
-        read_csv_table(path)
-    )
-    doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
+    known = convention or convention_of(path, angles, None, offset_deg)
+    return pairs_in_table(read_csv_table(path), known)
+
+
+def pairs_in_table(table: CsvTable, convention: Convention) -> Theta0Pairs:
+    """Return the pairs of a table, as `read_theta0_pairs` does."""
+    doubt_degrees(table, PAIR_COLUMNS)
     if "theta0_accum_deg" in table.header:
-        return _from_staircase(table)
+        return _from_staircase(table, convention)
     if "theta_next_deg" in table.header:
-        return _from_pairs(table)
-    return _from_orientations(table)
+        return _from_pairs(table, convention)
+    return _from_orientations(table, convention)
 
 
-def _from_orientations(table: CsvTable) -> Theta0Pairs:
+def _orientations(table: CsvTable, column: str, convention: Convention) -> Array:
+    """A column of angles in degrees, rad in our convention."""
+    return convention.theta(np.deg2rad(table.numbers(column)))
+
+
+def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """Orientations in order; turns by hand make no pair."""
     ordered, ahead = PAIR_COLUMNS
     if ordered not in table.header:
@@ -251,12 +248,10 @@ def _from_orientations(table: CsvTable) -> Theta0Pairs:
         raise table.error(1, f"the header is {','.join(table.header)}; it must be {layouts}")
     for name in table.header:
         if "next" in name or get_close_matches(name, (ahead,), cutoff=_NEARLY_THE_NAME):
-            told = (
-                f"the header has {name} beside {ordered}: name it {ahead} if it is the next "
-                "θ0 in degrees"
-            )
-            raise table.error(1, f"{told}, or leave it out")
-    theta = np.deg2rad(table.numbers(ordered))
+            beside = f"the header has {name} beside {ordered}"
+            mend = f"name it {ahead} if it is the next θ0 in degrees, or leave it out"
+            raise table.error(1, f"{beside}: {mend}")
+    theta = _orientations(table, ordered, convention)
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     turn = shorter_way(np.diff(theta))
@@ -265,11 +260,9 @@ def _from_orientations(table: CsvTable) -> Theta0Pairs:
     moved = tuple(number[:-1][~kept].tolist())
     if moved:
         where = ", ".join(f"{push:.0f}" for push in moved[:6])
-        line = (
-            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as "
-            "moved by hand, left out"
-        )
-        warnings.warn(line, DoubtfulInput, stacklevel=3)
+        words = f"turns behind pushes {where} (from 0) are like no others"
+        doubt = f"{table.path}: {words}: taken as moved by hand, left out"
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     dropped = {"moved by hand": len(moved)} if moved else {}
     return Theta0Pairs(
         path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
@@ -309,19 +302,19 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
     more.
     """
     for name in columns:
-        numbers = [table.number(row, name) for row in table.rows if table.text(row, name)]
-        low, high = min(numbers, default=0.0), max(numbers, default=0.0)
+        if name not in table.header:
+            continue
+        degrees = table.numbers(name, blank=True)
+        degrees = degrees[np.isfinite(degrees)]
+        low, high = float(degrees.min(initial=0.0)), float(degrees.max(initial=0.0))
         one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
-        if len(numbers) >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
-            told = (
-                f"{table.path}: {name} runs from {low:g} to {high:g} in {len(numbers)} rows: "
-                "are these radians?"
-            )
-            warnings.warn(told, DoubtfulInput, stacklevel=4)
+        if degrees.size >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
+            words = f"{name} runs from {low:g} to {high:g} in {degrees.size} rows"
+            warnings.warn(f"{table.path}: {words}: are these radians?", DoubtfulInput, stacklevel=4)
             return
 
 
-def _from_staircase(table: CsvTable) -> Theta0Pairs:
+def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """A staircase whose columns agree; flagged rows make no pair."""
     require_columns(table, STAIRCASE_COLUMNS)
     number, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
@@ -329,46 +322,41 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     turn = table.numbers("dtheta_to_next_deg", blank=True)
     last = table.rows[-1].line
     if not np.isnan(turn[-1]):
-        raise table.error(
-            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
-        )
+        cut = "the last row has a next θ0: the file is cut off"
+        raise table.error(last, f"{cut}; restore it or empty that field")
     for index in np.flatnonzero(np.abs(shorter_way(np.deg2rad(path - wrapped))) > _CONSISTENT)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
-        raise table.error(
-            table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
-        )
+        words = f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
+        raise table.error(table.rows[index].line, words)
     off = np.abs(np.deg2rad(np.diff(path) - turn[:-1])) > _CONSISTENT
     off_next = (np.diff(number) == 1) & off
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turn[index]:g}, the next row says {path[index + 1] - path[index]:g}"
-        raise table.error(
-            table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off"
-        )
+        words = f"dtheta_to_next_deg is {values}; a row is missing or cut off"
+        raise table.error(table.rows[index].line, words)
     flags = np.array([table.text(row, "flag") for row in table.rows])
     kept = (flags == "") & ~np.isnan(turn)
     if not kept.any():
         raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
-    path, turn = np.deg2rad(path), np.deg2rad(turn)
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    return Theta0Pairs.along(path, turn, kept, number, dropped)
+    theta, turned = convention.theta(np.deg2rad(path)), convention.sense * np.deg2rad(turn)
+    return Theta0Pairs.along(theta, turned, kept, number, dropped)
 
 
-def _from_pairs(table: CsvTable) -> Theta0Pairs:
+def _from_pairs(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """Pairs, in order where each begins where the one before ended."""
     require_columns(table, PAIR_COLUMNS)
-    theta, theta_next = (np.deg2rad(table.numbers(name)) for name in PAIR_COLUMNS)
+    theta, theta_next = (_orientations(table, name, convention) for name in PAIR_COLUMNS)
     turn = shorter_way(theta_next - theta)
     gap = shorter_way(theta[1:] - theta_next[:-1])
     if not _is_in_order(gap, turn):
         return Theta0Pairs(theta, theta + turn)
     elsewhere = int(_is_large(gap).sum())
     if elsewhere:
-        told = (
-            f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one "
-            "before ended: the rows are "
-        )
-        told += "taken to be in order, and staircases are of the longest run without such a pair"
-        warnings.warn(told, DoubtfulInput, stacklevel=3)
+        words = f"{elsewhere} of {theta.size} pairs do not begin where the one before ended"
+        taken = "the rows are taken to be in order, and staircases are of the longest run without"
+        doubt = f"{table.path}: {words}: {taken} such a pair"
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
     every = np.ones(turn.size, dtype=bool)
     return Theta0Pairs.along(path, turn, every, np.arange(float(path.size)))
@@ -385,248 +373,3 @@ def _is_in_order(gap: Array, turn: Array) -> bool:
     usual, varied = np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1)
     exact = bool((np.abs(gap) <= _CONSISTENT).all())
     return exact or (turn.size >= _ENOUGH and bool(usual <= _SMALL_GAP * varied))
-
-
-def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
-    """The arcs from the first to the last of orientations (n,), n ≥ 1, rad, that lie no further
-    apart than ``GAP``.
-
-    Each is (from, to), from in [0, 2π), to no less; in order of from. The whole circle is (0, 2π).
-
-    >>> [(round(low, 9), round(high, 9)) for low, high in covered_arcs([6.1, 6.3, 0.2, 3.0])]
-    [(3.0, 3.0), (6.1, 6.483185307)]
-    """
-    places = np.sort(np.mod(finite_array("measured", measured, ndim=1), TWO_PI))
-    gaps = np.append(np.diff(places), places[0] + TWO_PI - places[-1])
-    ends = np.flatnonzero(gaps > GAP)
-    if not ends.size:
-        return ((0.0, TWO_PI),)
-    begins = np.roll((ends + 1) % places.size, 1)
-    arcs = ((float(places[b]), float(places[e])) for b, e in zip(begins, ends, strict=True))
-    return tuple(sorted((low, high if high >= low else high + TWO_PI) for low, high in arcs))
-
-
-def is_covered(measured: ArrayLike, theta: ArrayLike) -> Mask:
-    """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured``
-    (n,), n ≥ 1, rad.
-    """
-    angles = finite_array("theta", theta)
-    inside = [
-        np.mod(angles - low + _EDGE, TWO_PI) <= high - low + 2 * _EDGE
-        for low, high in covered_arcs(measured)
-    ]
-    return np.asarray(np.any(inside, axis=0))
-
-
-@dataclass(frozen=True, eq=False)
-class TurnBins:
-    """Median turns in equal bins of θ0 that hold three pairs or more.
-
-    Attributes
-    ----------
-    centre : ndarray, shape (k,)
-        Centres of the bins, rad in [0, 2π).
-    median : ndarray, shape (k,)
-        Median turns, rad.
-    count : ndarray of int, shape (k,)
-        How many pairs each holds.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import Theta0Pairs, turn_bins
-    >>> theta = np.linspace(0.0, 6.2, 12)
-    >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).count.tolist()
-    [4, 4, 4]
-    """
-
-    centre: Array
-    median: Array
-    count: Whole
-
-
-@dataclass(frozen=True, eq=False)
-class AngleHistogram:
-    """How often each direction was recorded.
-
-    Attributes
-    ----------
-    edges : ndarray, shape (k + 1,)
-        Ends of the bins, rad over [0, 2π].
-    density : ndarray, shape (k,)
-        Per rad.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import angle_histogram
-    >>> histogram = angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2)
-    >>> round(float(np.sum(histogram.density * np.diff(histogram.edges))), 9)
-    1.0
-    """
-
-    edges: Array
-    density: Array
-
-
-@dataclass(frozen=True)
-class MapAgreement:
-    """How far measured turns lie from a map's.
-
-    Attributes
-    ----------
-    pairs : int
-        How many pairs.
-    rms : float
-        Root mean square over the pairs, rad.
-    bins : int
-        How many bins of θ0.
-    bin_rms : float
-        Root mean square over the bins' medians, rad.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
-    >>> theta = np.linspace(0.0, 6.2, 12)
-    >>> agreement = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.2).agreement
-    >>> agreement.pairs, round(agreement.rms, 6)
-    (12, 0.1)
-    """
-
-    pairs: int
-    rms: float = field(metadata=ANGLE)
-    bins: int
-    bin_rms: float = field(metadata=ANGLE)
-
-
-def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
-    """Return the median turn of pairs in equal bins of θ0 over [0, 2π).
-
-    Parameters
-    ----------
-    pairs : Theta0Pairs
-        Measured steps of the cycle map.
-    bins : int, optional
-        How many bins.
-
-    Returns
-    -------
-    TurnBins
-        Those that hold three pairs or more.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import Theta0Pairs, turn_bins
-    >>> theta = np.linspace(0.0, 6.2, 12)
-    >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).median.round(6).tolist()
-    [0.3, 0.3, 0.3]
-    """
-    index = bin_index(pairs.theta, bins)
-    count = np.bincount(index, minlength=bins)
-    filled = np.flatnonzero(count >= 3)
-    median = np.array([np.median(pairs.turn[index == k]) for k in filled])
-    return TurnBins((filled + 0.5) * TWO_PI / bins, median, count[filled])
-
-
-def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
-    """Return the probability density of directions in equal bins over [0, 2π).
-
-    Parameters
-    ----------
-    theta : ndarray, shape (n,)
-        Directions, rad, any turn.
-    bins : int, optional
-        How many bins.
-
-    Returns
-    -------
-    AngleHistogram
-        Ends of the bins, and density per rad.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import angle_histogram
-    >>> angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2).density * np.pi
-    array([0.5, 0.5])
-    """
-    if theta.size == 0:
-        raise InvalidInput("no direction to make a histogram of; give at least one")
-    count = np.bincount(bin_index(theta, bins), minlength=bins)
-    return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
-
-
-def bin_index(theta: Array, bins: int) -> Whole:
-    """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput
-    for fewer than one.
-    """
-    count = whole_number("bins", bins, least=1)
-    require_room("bins", count, "so many hold no counts: use fewer", _MOST_BINS)
-    # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
-    return np.minimum((np.mod(theta, TWO_PI) * (count / TWO_PI)).astype(np.int64), count - 1)
-
-
-@dataclass(frozen=True, eq=False)
-class MeasuredOverlay:
-    """Measured pairs over a map.
-
-    Attributes
-    ----------
-    pairs : Theta0Pairs
-        The measured steps.
-    bins : TurnBins
-        Their medians by direction.
-    histogram : AngleHistogram
-        How often each direction was recorded.
-    agreement : MapAgreement
-        Their distance from the map.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
-    >>> theta = np.linspace(0.0, 6.2, 12)
-    >>> overlay = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.3)
-    >>> round(overlay.agreement.rms, 9), overlay.pairs.theta.size
-    (0.0, 12)
-    """
-
-    pairs: Theta0Pairs
-    bins: TurnBins
-    histogram: AngleHistogram
-    agreement: MapAgreement
-
-
-def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> MeasuredOverlay:
-    """Summarise measured pairs against a map.
-
-    Parameters
-    ----------
-    pairs : Theta0Pairs
-        Measured steps of the cycle map.
-    turn : callable
-        θ (n,) rad -> what the map turns it by, (n,) rad.
-
-    Returns
-    -------
-    MeasuredOverlay
-        Medians, histogram, and distance from the map.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
-    >>> theta = np.linspace(0.0, 6.2, 12)
-    >>> pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.sin(theta))
-    >>> round(measured_overlay(pairs, lambda theta: 0.3 + 0.1 * np.sin(theta)).agreement.rms, 9)
-    0.0
-    """
-    bins = turn_bins(pairs)
-    off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)
-    rms, bin_rms = (
-        float(np.sqrt(np.mean(one**2))) if one.size else np.nan for one in (off, bin_off)
-    )
-    agreement = MapAgreement(pairs.theta.size, rms, bins.centre.size, bin_rms)
-    return MeasuredOverlay(pairs, bins, angle_histogram(pairs.theta), agreement)

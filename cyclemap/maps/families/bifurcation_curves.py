@@ -1,5 +1,5 @@
 """Curves of saddle-nodes, period doublings and border collisions in a plane of two parameters, and
-their points.
+their points of codimension two.
 """
 
 from __future__ import annotations
@@ -13,23 +13,55 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.arclength import SMALLEST, STRAIGHT, ArclengthWalk
-from cyclemap.maps.families.continuation import bifurcations
-from cyclemap.maps.families.curve_equations import KINDS, CodimensionTwo, CurveEquations, CurveSpot
-from cyclemap.maps.families.family import (
-    Family,
-    Range,
-    break_motion,
-    each_done,
-    family_member,
-    parameter_range,
-)
-from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
+from cyclemap.maps.estimate import EPS, Estimate
+from cyclemap.maps.families.arclength import SMALLEST, ArclengthWalk, walked_both_ways
+from cyclemap.maps.families.bifurcations import bifurcations
+from cyclemap.maps.families.continuation import Bifurcation
+from cyclemap.maps.families.family import Family, Range, each_done, family_member, parameter_range
+from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, curve_direction
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.progress import Progress
 
+KINDS = "saddle-node", "period-doubling", "border-collision"
 _RIGID = 0.3  # radians: a spread of F^n - id from which a tip may be near
 _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever worse
+
+
+@dataclass(frozen=True, eq=False)
+class CodimensionTwo:
+    """A point of a plane at which the bifurcation along a curve changes its kind.
+
+    Attributes
+    ----------
+    kind : str
+        "cusp" (of a saddle-node's curve: (F^n)'' = 0), "generalised flip" (of a period
+        doubling's: the first Lyapunov coefficient is 0, and a curve of saddle-nodes of twice
+        the period ends), "tip" (F^n is a rotation, as where the two edges of a tongue meet),
+        "border saddle-node" and "border flip" (a multiplier of 1 or -1 while a point of the
+        orbit is on a break of the map).
+    first, second : Estimate
+        The parameters.
+    points : ndarray, shape (period,)
+        Of the orbit, radians in [0, 2π).
+    period, winding : int
+        Of the orbit.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
+    >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (-1.0, 2.0))
+    >>> [tip] = edge.special
+    >>> tip.kind, tip.first.holds(0.0), tip.second.holds(0.0)
+    ('tip', True, True)
+    """
+
+    kind: str
+    first: Estimate
+    second: Estimate
+    points: Array
+    period: int
+    winding: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,147 +112,76 @@ class BifurcationCurve:
     residual: float
 
 
-@dataclass(eq=False, kw_only=True)
-class _CurveWalk(ArclengthWalk):
-    """A walk along a curve of bifurcations: its solutions, and the points of codimension two that
-    it has passed.
+@dataclass(eq=False)
+class _CurveWalk(ArclengthWalk[CodimensionTwo]):
+    """A walk along a curve of bifurcations, with the points of codimension two that it has passed.
+
+    ending : where the curve is about to end, scaled, and what that may be off.
+    extrapolated : the last two such ends.
     """
 
-    equations: CurveEquations
-    spots: list[CurveSpot]
-    special: list[CodimensionTwo] = field(default_factory=list)
-    blocked: str = "lost"  # what the last step that was refused ran into
-    # where the curve is about to end, scaled, and what that may be off
     ending: tuple[Array, Array] | None = None
-    extrapolated: list[Array] = field(default_factory=list)  # the last two such ends
+    extrapolated: list[Array] = field(default_factory=list)
 
     def stop(self) -> None:
         """End where steps have become too small, with the point of codimension two that made them
         so.
         """
         self.reason = self.blocked
-        spot = self.spots[-1]
         flips = self.equations.kind == "period-doubling"
         names = {"half the period": "generalised flip", "tip": "tip"}
         if self.equations.side == 0:
             names["border collision"] = "border flip" if flips else "border saddle-node"
         if self.reason in names:
-            at, error = self.ending or (spot.at[-2:], np.full(2, SMALLEST))
-            self.special.append(self.equations.placed(names[self.reason], spot, at, 4.0 * error))
+            state = self.states[-1]
+            at, error = self.ending or (state.at[-2:], np.full(2, SMALLEST))
+            self._place(names[self.reason], state, at, 4.0 * error)
 
-    def advance(self) -> None:
-        """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        here = self.spots[-1]
-        length, row, at_end = self.ahead()
-        if length <= 1e-12:
-            self.reason = "end of the plane"
-            return
-        guess = here.at + length * self.direction
-        unmoved = np.zeros(here.state.member.breaks.size)
-        if crossed_break(here.state, self.angles(guess), unmoved) is not None:
+    def meets_break(self, guess: Array, solved: OrbitState | None) -> bool:
+        """Never: a curve ends where a point of its orbit meets a break."""
+        if self.crossed(guess, None) or (solved and self.crossed(solved.at, solved.member)):
             self.blocked = "border collision"
-        solved = self.equations.solved(guess, row)
-        if solved is None or not self._accepted(here, solved):
-            self.step *= 0.5
-        elif at_end:
-            self.reason = self.reason or "end of the plane"
+        return False
 
-    def _accepted(self, here: CurveSpot, solved: CurveSpot) -> bool:
-        """Take the step unless it is too far, too bent, or crosses what it must stop before."""
-        direction = self.equations.direction(solved, self.direction)
-        if (
-            np.linalg.norm(solved.at - here.at) > 2.0 * self.step
-            or direction @ self.direction < STRAIGHT
-        ):
-            return False
-        old = here.state
-        new = solved.state
-        motion = break_motion(old.member.breaks, new.member.breaks)
-        if crossed_break(old, new.theta, motion) is not None:
-            self.blocked = "border collision"
-            return False
-        if (
-            here.gap.size
-            and (here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0])) <= 0.0
-        ):
-            self.blocked = "half the period"
-            return False
-        self._tested(here, solved, direction)
-        self.spots.append(solved)
+    def passes(self, kind: str, state: OrbitState, shift: float, curved: float) -> None:
+        """Record the point of codimension two, with bounds of first order: of the equations, and
+        of ``shift`` along the curve.
+        """
+        tangent = curve_direction(state.matrix)
+        error = self.equations.errors(state, tangent)
+        error += np.abs(tangent[-2:]) * shift + curved * shift**2 + 4.0 * EPS
+        self._place(kind, state, state.at[-2:], error)
+
+    def _place(self, kind: str, state: OrbitState, at: Array, error: Array) -> None:
+        """Record a point at scaled parameters with scaled errors."""
+        first, second = map(
+            Estimate, at * self.equations.scales[-2:], error * self.equations.scales[-2:]
+        )
+        points = read_only(np.mod(state.theta, TWO_PI))
+        place = CodimensionTwo(kind, first, second, points, points.size, self.equations.winding)
+        self.special.append(place)
+
+    def taken(self, here: OrbitState, solved: OrbitState, direction: Array) -> None:
+        """Go on to ``solved``, no further than half way to where the curve is seen to end."""
         if self.ending is None or not (
             solved.spread < here.spread or np.linalg.norm(solved.gap) < np.linalg.norm(here.gap)
         ):
             self.blocked = "lost"
             self.ending = None
-        self.taken(solved.at, direction)
-        if self.reason:
-            self.spots[-1] = replace(self.spots[0], at=self.at[-1])
-        elif self.equations.kind == "saddle-node" and len(self.spots) > 3:
-            self._nears_end()
-        return True
+        super().taken(here, solved, direction)
+        if not self.reason and self.equations.kind == "saddle-node" and len(self.states) > 3:
+            self._near_end()
 
-    def _tested(self, here: CurveSpot, solved: CurveSpot, direction: Array) -> None:
-        """Record the points of codimension two between two neighbouring solutions."""
-        length = float(self.direction @ (solved.at - here.at))
-        tests = zip(self.equations.tests(here), self.equations.tests(solved), strict=True)
-        for index, ((kind, before, off), (_, after, far)) in enumerate(tests):
-            if not before * after < 0.0 or abs(before) <= off or abs(after) <= far:
-                continue
-
-            def test(spot: CurveSpot, index: int = index) -> float:
-                return list(self.equations.tests(spot))[index][1]
-
-            spot = zero_along(
-                (here, solved),
-                length,
-                lambda distance: self.equations.solved(
-                    here.at + distance * self.direction, self.direction
-                ),
-                test,
-                "a point of codimension two could not be reached along its curve",
-            )
-            error = list(self.equations.tests(spot))[index][2]
-            shift = error * length / abs(after - before)
-            curved = float(np.linalg.norm(direction - self.direction)) / length
-            tangent = self.equations.direction(spot, self.direction)
-            self.special.append(self.equations.recorded(kind, spot, 4.0 * shift, tangent, curved))
-
-    def _nears_end(self) -> None:
+    def _near_end(self) -> None:
         """Go no further than half way to where the curve ends in a tip or an orbit of half the
         period; stop close by.
-
-        The parameters are extrapolated from the last three solutions to where a measure is 0 in
-        which they are smooth. At a tip the spread of F^n - id falls as a whole power of the
-        distance: its straightest root. Where the halves of the orbit meet, they come as far apart
-        on the other side: the square of their distance.
         """
-        recent = self.spots[-3:]
-        orbit = self.equations.hops.size
-        length = np.array([float(self.direction @ (spot.at - recent[-1].at)) for spot in recent])
-        spread = np.array([spot.spread for spot in recent])
-        apart = (
-            np.array([np.linalg.norm(spot.gap) for spot in recent])
-            if orbit % 2 == 0
-            else np.full(3, np.inf)
-        )
-        candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * orbit + 2)]
-        candidates = [*(candidates if spread[-1] < _RIGID else []), ("half the period", apart, 2)]
-        best = 0.1
-        ending = None
-        for reason, root, power in candidates:
-            if root[0] > root[1] > root[2] > 0.0 and root[2] < _RIGID ** (1.0 / orbit):
-                slope = (root[2] - root[1]) / (length[2] - length[1])
-                bent = abs(root[0] - root[2] - slope * length[0]) / root[0]
-                if bent < best:
-                    best = bent
-                    ending = (reason, root**power, -root[2] / slope)
-        if ending is None or ending[2] > 4.0 * self.step:
+        recent = self.states[-3:]
+        reason, measure, distance = self._foreseen(recent)
+        if distance > 4.0 * self.step:
             return
-        reason, measure, distance = ending
         shares = [float(np.prod([b / (b - a) for b in measure if b != a])) for a in measure]
-        at = np.sum(
-            [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
-        )
+        at = np.array(shares) @ [state.at[-2:] for state in recent]
         self.blocked = reason
         self.step = min(self.step, 0.5 * distance)
         # Two neighbouring extrapolations may agree by chance: three are compared.
@@ -229,8 +190,37 @@ class _CurveWalk(ArclengthWalk):
         if self.ending is None or np.max(change) < np.max(self.ending[1]):
             self.ending = at, change
         self.extrapolated = known[-2:]
-        if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
+        near = _NEAR if reason == "half the period" else 1e-4
+        if distance < near or recent[-1].spread < 1e-9:
             self.stop()
+
+    def _foreseen(self, recent: list[OrbitState]) -> tuple[str, Array, float]:
+        """As what the curve will end, a measure of the last three solutions in which the
+        parameters are smooth and that is 0 there, and how far that is; inf where it is not seen.
+
+        At a tip the spread of F^n - id falls as a whole power of the distance: its straightest
+        root. Where the halves of the orbit meet, they come as far apart on the other side: the
+        square of their distance.
+        """
+        n = self.equations.hops.size
+        length = np.array([float(self.direction @ (state.at - recent[-1].at)) for state in recent])
+        spread = np.array([state.spread for state in recent])
+        candidates = []
+        if spread[-1] < _RIGID:
+            candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * n + 2)]
+        if n % 2 == 0:
+            apart = np.linalg.norm([state.gap for state in recent], axis=1)
+            candidates.append(("half the period", apart, 2))
+        straightest = 0.1
+        ending = "", spread, np.inf
+        for reason, root, power in candidates:
+            if root[0] > root[1] > root[2] > 0.0 and root[2] < _RIGID ** (1.0 / n):
+                slope = (root[2] - root[1]) / (length[2] - length[1])
+                bent = abs(root[0] - root[2] - slope * length[0]) / root[0]
+                if bent < straightest:
+                    straightest = bent
+                    ending = reason, root**power, -root[2] / slope
+        return ending
 
 
 def follow_bifurcation(
@@ -297,68 +287,48 @@ def follow_bifurcation(
         raise InvalidInput(
             f"start is {start!r}: give a saddle-node, a period doubling or a border collision"
         )
-    height = finite_number("at", at)
-    return _followed(family, start, (float(start.parameter), height), ranges)
-
-
-def _followed(
-    family: Family, start: Bifurcation, at: tuple[float, float], ranges: tuple[Range, Range]
-) -> BifurcationCurve:
-    points = np.array(start.points)
-    member = family_member(family, *at)
-    images = member(points)
-    sides: tuple[int, ...] = (0,)
-    if start.kind == "border-collision":
-        sides = (1, -1) if start.jump else (1,)
-    begin = None
-    for side in sides:
-        if side:
-            images[0] = (member.right if side > 0 else member.left)(points[:1])[0]
-        hops = np.round((images - np.roll(points, -1)) / TWO_PI)
-        equations = CurveEquations(
-            family, hops, start.winding, start.kind, ranges, side, start.jump
-        )
-        guess = np.append(points, at) / equations.scales
-        along = equations.direction(equations.spot(guess))
-        begin = equations.solved(guess, along)
-        if begin is not None and np.linalg.norm(begin.at - guess) < 1e-2:
-            break
-    else:
-        raise InvalidInput(
-            f"there is no {start.kind} of period {start.period} at ({at[0]:.9g}, {at[1]:.9g}) "
-            f"near θ = {points[0]:.6g}"
-        )
-    ahead = equations.direction(begin)
-    forward, backward = (
-        _CurveWalk(
-            scales=equations.scales,
-            ranges=ranges,
-            initial=initial,
-            at=[begin.at],
-            equations=equations,
-            spots=[begin],
-        )
-        for initial in (ahead, -ahead)
+    place = float(start.parameter), finite_number("at", at)
+    equations, begin = _begun(family, start, place, ranges)
+    states, special, ends = walked_both_ways(
+        lambda initial: _CurveWalk(equations, [begin], initial), curve_direction(begin.matrix)
     )
-    spots = forward.walked().spots
-    special = forward.special
-    ends = ("closed", "closed")
-    if forward.reason != "closed":
-        spots = backward.walked().spots[:0:-1] + spots
-        special = backward.special[::-1] + special
-        ends = backward.reason, forward.reason
-    at_all = np.array([spot.at * equations.scales for spot in spots])
+    points = np.array([state.theta for state in states])
+    parameters = np.array([state.parameters for state in states])
     return BifurcationCurve(
         start.kind,
-        read_only(at_all[:, -2]),
-        read_only(at_all[:, -1]),
-        read_only(at_all[:, :-2]),
-        read_only([equations.coefficient(spot)[0] for spot in spots]),
-        tuple(special),
+        read_only(parameters[:, 0]),
+        read_only(parameters[:, 1]),
+        read_only(points),
+        read_only([equations.coefficient(state)[0] for state in states]),
+        special,
         start.period,
         start.winding,
         ends,
-        max(float(np.max(np.abs(spot.residual))) for spot in spots),
+        max(float(np.max(np.abs(state.residual))) for state in states),
+    )
+
+
+def _begun(
+    family: Family, start: Bifurcation, at: tuple[float, float], ranges: tuple[Range, Range]
+) -> tuple[OrbitEquations, OrbitState]:
+    """The equations of the curve, from the side on which they have a solution near ``at``; and
+    that.
+    """
+    points = np.array(start.points)
+    member = family_member(family, *at)
+    images = member(points)
+    for side in (1, -1) if start.kind == "border-collision" else (0,):
+        if side:
+            images[0] = (member.right if side > 0 else member.left)(points[:1])[0]
+        hops = np.round((images - np.roll(points, -1)) / TWO_PI)
+        equations = OrbitEquations(family, hops, start.winding, ranges, start.kind, side=side)
+        guess = np.append(points, at) / equations.scales
+        begin = equations.solved(guess, curve_direction(equations.state(guess).matrix))
+        if begin is not None and np.linalg.norm(begin.at - guess) < 1e-2:
+            return equations, begin
+    raise InvalidInput(
+        f"there is no {start.kind} of period {start.period} at ({at[0]:.9g}, {at[1]:.9g}) "
+        f"near θ = {points[0]:.6g}"
     )
 
 
@@ -421,18 +391,17 @@ def bifurcation_curves(
     count = whole_number("lines", lines, least=1)
     require_room("the lines", count, "give fewer")
     curves: list[BifurcationCurve] = []
-    spans = np.array([high - low for low, high in ranges])
     shares = (np.arange(count) + 0.5) / count
     heights = [
-        (axis, height)
+        (axis, ranges[axis][0] + share * (ranges[axis][1] - ranges[axis][0]))
         for axis in (1, 0)
-        for height in (ranges[axis][0] + shares * spans[axis]).tolist()
+        for share in shares.tolist()
     ]
     work = partial(_on_line, family, ranges, period, winding)
     for starts in each_done(work, heights, executor, progress):
         for start, at in starts:
-            if not any(_on(curve, start, np.array(at), spans) for curve in curves):
-                curves.append(_followed(family, start, at, ranges))
+            if not any(_on(curve, start, at, ranges) for curve in curves):
+                curves.append(follow_bifurcation(family, start, at, *ranges))
     return curves
 
 
@@ -442,33 +411,38 @@ def _on_line(
     period: int,
     winding: int,
     line: tuple[int, float],
-) -> list[tuple[Bifurcation, tuple[float, float]]]:
-    """The bifurcations on the line at one value of the parameter number ``line[0]``, and where."""
+) -> list[tuple[Bifurcation, float]]:
+    """The bifurcations on the line at one value of the parameter number ``line[0]``: each as of
+    the first parameter, and the second there.
+    """
     axis, height = line
 
     def along(value: float) -> CircleMap:
         return family(value, height) if axis else family(height, value)
 
     met = bifurcations(along, ranges[1 - axis], period, winding, resolution=_RESOLUTION)
-    values = [(start, float(start.parameter)) for start in met if start.kind in KINDS]
-    return [(start, (value, height) if axis else (height, value)) for start, value in values]
+    starts = [start for start in met if start.kind in KINDS]
+    if axis:
+        return [(start, height) for start in starts]
+    across = Estimate(height, 0.0)
+    return [(replace(start, parameter=across), float(start.parameter)) for start in starts]
 
 
-def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) -> bool:
+def _on(
+    curve: BifurcationCurve, start: Bifurcation, at: float, ranges: tuple[Range, Range]
+) -> bool:
     """Whether the bifurcation lies on the curve, between two of its points."""
     if curve.kind != start.kind:
         return False
-    plane = np.column_stack([curve.first, curve.second]) / spans
+    away = np.column_stack([curve.first - start.parameter, curve.second - at])
+    away /= np.diff(ranges).T
     for k in range(start.period):
         angles = shorter_way(curve.points - np.roll(start.points, k)) / np.sqrt(start.period)
-        offset = np.column_stack([angles, plane - at / spans])
+        offset = np.column_stack([angles, away])
         step = np.diff(offset, axis=0)
-        share = np.clip(
-            -np.sum(offset[:-1] * step, 1) / np.maximum(np.sum(step * step, 1), 1e-300), 0.0, 1.0
-        )
-        if (
-            np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)
-            < _SAME
-        ):
+        squared = np.maximum(np.sum(step * step, axis=1), 1e-300)
+        share = np.clip(-np.sum(offset[:-1] * step, axis=1) / squared, 0.0, 1.0)
+        distance = np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1)
+        if np.min(distance, initial=np.inf) < _SAME:
             return True
     return False

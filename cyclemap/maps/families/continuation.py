@@ -4,150 +4,165 @@ them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, require_room, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.arclength import FIRST, STRAIGHT, ArclengthWalk
-from cyclemap.maps.families.family import (
-    Family,
-    Range,
-    break_motion,
-    family_member,
-    parameter_range,
-)
+from cyclemap.maps.families.arclength import FIRST, ArclengthWalk, walked_both_ways
+from cyclemap.maps.families.family import Family, Range, family_member, parameter_range
 from cyclemap.maps.families.orbit_equations import (
-    Bifurcation,
     OrbitEquations,
     OrbitState,
-    border_collision,
-    crossed_break,
+    curve_direction,
     orbit_equations,
-    smooth_bifurcation,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
+from cyclemap.maps.orbits.rotation_number import orbit_angles
 
 RESOLUTION = 24
 _ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
 _ASIDE = 1e-3  # scaled arclength
 _SAME_ORBIT = 1e-7  # radians
-# radians: at a fold two findings of one orbit may differ by the root of rounding
-_SAME_POINT = 1e-4
-_SAME_PARAMETER = 1e-9  # of the range
-_WIDEST = 1e-6  # of the range: the bound of a saddle-node that is worth a proof
+# a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
+_TRANSVERSE = 1e-6
 
 
-@dataclass(eq=False, kw_only=True)
-class BranchWalk(ArclengthWalk):
-    """A walk along a branch of orbits: their states, and the bifurcations that it has passed."""
+@dataclass(frozen=True, eq=False)
+class Bifurcation:
+    """A parameter at which a periodic orbit changes.
 
-    equations: OrbitEquations
-    states: list[OrbitState]
-    special: list[Bifurcation] = field(default_factory=list)
+    Attributes
+    ----------
+    kind : str
+        "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1),
+        "border-collision" (a point of the orbit meets a break of the map) or "branch point"
+        (multiplier 1 where branches cross).
+    parameter : Estimate
+        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and
+        what ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope,
+        not the truth's, and period doublings and branch points move with the difference.
+    points : ndarray, shape (period,)
+        Radians in [0, 2π), in order of visit, the smallest first; of a border collision the one
+        on the break first.
+    period, winding : int
+        Of the orbit.
+    multiplier, left_multiplier : float
+        (Fⁿ)' there; at a border collision with the slopes from the right and from the left of
+        the break.
+    jump : bool
+        Whether the break met is a jump of the map, where the branch ends, and not a kink.
 
-    def advance(self) -> None:
-        """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        length, row, at_end = self.ahead()
-        if length <= 1e-12:
-            self.reason = "end of the range"
-            return
-        guess = self.at[-1] + length * self.direction
-        solved = self.equations.solved_along(guess, row)
-        hit = self._collision(guess, solved)
-        if hit is not None:
-            record, state, outward = hit
-            self.special.append(record)
-            self._passes(state)
-            if outward is None:
-                self.reason = "jump"
-            else:
-                self.direction = outward
-                self.step = min(self.step, FIRST)
-        elif solved is None or not self._accepted(solved):
-            self.step *= 0.5
-        elif at_end:
-            self.reason = self.reason or "end of the range"
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, saddle_nodes
+    >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
+    >>> birth.kind, birth.parameter.holds(0.2 * np.pi), birth.folds, round(birth.theta, 6)
+    ('saddle-node', True, True, 1.570796)
+    """
 
-    def _passes(self, state: OrbitState) -> None:
-        self.states.append(state)
-        self.at.append(self.equations.point(state))
+    kind: str
+    parameter: Estimate
+    points: Array
+    period: int
+    winding: int
+    multiplier: float
+    left_multiplier: float
+    jump: bool
 
-    def _accepted(self, solved: OrbitState) -> bool:
-        """Take the step to ``solved`` unless it is too far, too bent or crosses a break that was
-        not located.
+    @property
+    def theta(self) -> float:
+        """The first of the points, radians."""
+        return float(self.points[0])
+
+    @property
+    def folds(self) -> bool:
+        """Whether two orbits meet and vanish here: a saddle-node, or its like at a kink.
+
+        At a kink that is so where 1 lies between the one-sided multipliers (di Bernardo et al.
+        2008, ch. 3).
         """
-        before = self.states[-1]
-        there = self.equations.point(solved)
-        push = solved.push
-        if push is None:
-            push = self.equations.push(solved.parameter)(solved.theta)
-        direction = self.equations.direction(solved.slopes, push, self.direction)
-        change = abs(solved.multiplier - before.multiplier)
-        if (
-            np.linalg.norm(there - self.at[-1]) > 2.0 * self.step
-            or direction @ self.direction < STRAIGHT
-            or (change > 0.5 + 0.5 * abs(before.multiplier) and self.step > 1e-4)
-            or self._crossed(solved.theta, solved) is not None
-        ):
+        if self.kind != "border-collision":
+            return self.kind == "saddle-node"
+        return not self.jump and (self.multiplier - 1.0) * (self.left_multiplier - 1.0) < 0.0
+
+
+def _recorded(
+    kind: str, equations: OrbitEquations, state: OrbitState, multipliers: tuple[float, float]
+) -> Bifurcation:
+    [parameter] = state.parameters
+    [error] = equations.errors(state, np.zeros((0, state.at.size))) * equations.scales[-1:]
+    points = np.mod(state.theta, TWO_PI)
+    first = equations.point if equations.side else int(np.argmin(points))
+    return Bifurcation(
+        kind,
+        Estimate(parameter, float(error) + 2.0 * EPS * abs(parameter)),
+        read_only(np.roll(points, -first)),
+        points.size,
+        equations.winding,
+        *multipliers,
+        bool(equations.side) and equations.jumps(state),
+    )
+
+
+class BranchWalk(ArclengthWalk[Bifurcation]):
+    """A walk along a branch of orbits, with the bifurcations that it has passed."""
+
+    def passes(self, kind: str, state: OrbitState, shift: float, curved: float) -> None:
+        """Record the orbit with multiplier 1 or -1, which is one of the branch."""
+        located = replace(self.equations, kind=kind)
+        at = located.state(state.at)
+        if kind == "saddle-node":
+            n = at.theta.size
+            left, _, _ = np.linalg.svd(at.matrix[:n, :n])
+            push = at.matrix[:n, n]
+            if abs(float(left[:, -1] @ push)) <= _TRANSVERSE * float(np.max(np.abs(push))):
+                kind = "branch point"
+        self.special.append(_recorded(kind, located, at, (at.multiplier, at.multiplier)))
+        self.states.append(state)
+
+    def meets_break(self, guess: Array, solved: OrbitState | None) -> bool:
+        """Whether a point collides with a break on this step, and the branch goes on from there,
+        whether the step or only its prediction crosses it.
+        """
+        here = self.states[-1].at
+        reached, member = (guess, None) if solved is None else (solved.at, solved.member)
+        crossed = self.crossed(reached, member) or self.crossed(guess, None)
+        if crossed is None:
             return False
-        half = self.equations.hops.size // 2
-        # Through an orbit of half the period, where the two halves change places?
-        old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
-        gap = shorter_way(old)
-        ahead = gap + new - old
-        if self.equations.hops.size == 2 * half and (
-            (gap @ ahead) <= 0.0 or np.max(np.abs(ahead)) < 1e-9
-        ):
-            self.reason = "half the period"
-            return True
-        for target in (1.0, -1.0):
-            if (before.multiplier - target) * (solved.multiplier - target) < 0.0:
-                state, found = smooth_bifurcation(
-                    self.equations, before, solved, self.direction, target
-                )
-                self._passes(state)
-                self.special.append(found)
-        self.taken(there, direction)
-        if self.reason:
-            solved = self.equations.state(self.states[0].parameter, self.angles(self.at[-1]))
-        self.states.append(solved)
+        point, side, share = crossed
+        located = replace(self.equations, kind="border-collision", point=point, side=side)
+        near = here + share * (reached - here)
+        state = located.solved(near, np.zeros((0, near.size)))
+        if state is None:
+            return False
+        offset = state.at - here
+        if offset @ self.direction <= 0.0 or np.linalg.norm(offset) > 2.0 * self.step:
+            return False
+        self._collides(located, state)
         return True
 
-    def _crossed(self, theta: Array, state: OrbitState | None) -> tuple[int, int, float] | None:
-        last = self.states[-1]
-        breaks = last.member.breaks
-        moved = breaks if state is None else state.member.breaks
-        return crossed_break(last, theta, break_motion(breaks, moved)) if breaks.size else None
-
-    def _collision(
-        self, guess: Array, solved: OrbitState | None
-    ) -> tuple[Bifurcation, OrbitState, Array | None] | None:
-        """The collision with a break on this step, whether the step or only its prediction crosses
-        it.
+    def _collides(self, located: OrbitEquations, state: OrbitState) -> None:
+        """Record the collision, where the branch ends at a jump; beyond a kink it goes on with the
+        slopes of the far side.
         """
-        reached = guess if solved is None else self.equations.point(solved)
-        crossed = self._crossed(self.angles(reached), solved) or self._crossed(
-            self.angles(guess), None
-        )
-        if crossed is None:
-            return None
-        point, which, share = crossed
-        here = self.at[-1]
-        near = here + share * (reached - here)
-        p = float(np.clip(near[-1] * self.scales[-1], *self.equations.within))
-        found = border_collision(
-            self.equations, self.states[-1], (self.angles(near), p), point, which
-        )
-        if found is None:
-            return None
-        offset = self.equations.point(found[1]) - here
-        ahead = float(offset @ self.direction) > 0.0
-        return found if ahead and np.linalg.norm(offset) <= 2.0 * self.step else None
+        beyond = replace(located, side=-located.side).state(state.at)
+        right, left = (state, beyond) if located.side > 0 else (beyond, state)
+        record = _recorded(located.kind, located, state, (right.multiplier, left.multiplier))
+        self.special.append(record)
+        self.states.append(state if record.jump else beyond)
+        if record.jump:
+            self.reason = "jump"
+            return
+        outward = curve_direction(beyond.matrix[:-1])
+        leaving = -located.side * float(beyond.matrix[-1] @ outward)
+        self.direction = outward if leaving >= 0.0 else -outward
+        self.step = min(self.step, FIRST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,73 +281,42 @@ def follow_orbit(
     else:
         n = whole_number("period", period, least=1)
         turns = whole_number("winding", winding)
-        points = np.full(n, finite_number("start", start))
-        member = family_member(family, p)
-        for i in range(1, n):
-            points[i] = np.mod(member(points[i - 1]), TWO_PI)
+        points = orbit_angles(family_member(family, p), finite_number("start", start), n)
     equations = orbit_equations(family, points, p, turns, within)
-    first = equations.solved_at(p, points)
-    if first is None:  # on a saddle-node p cannot be held fixed: begin a little along the branch
-        given = equations.state(p, points)
-        if np.max(np.abs(equations.residual(given.member(points), points))) <= _ON_ORBIT:
-            along = equations.direction(given.slopes, equations.push(p)(points))
-            ahead = (
-                equations.solved_along(equations.point(given) + k * _ASIDE * along, along)
-                for k in (1, -1)
-            )
-            first = next((state for state in ahead if state is not None), None)
+    first = _first_orbit(equations, np.append(points, p) / equations.scales)
     if first is None or np.max(np.abs(first.theta - points)) > 0.5:
         raise InvalidInput(
             f"no orbit of period {points.size} and winding {turns} at {p:.9g} near θ = "
             f"{points[0]:.6g}"
         )
-    direction = equations.direction(first.slopes, equations.push(first.parameter)(first.theta))
-    forward, backward = (
-        BranchWalk(
-            scales=equations.scales,
-            ranges=(within,),
-            initial=initial,
-            at=[equations.point(first)],
-            equations=equations,
-            states=[first],
-        )
-        for initial in (direction, -direction)
+    states, special, ends = walked_both_ways(
+        lambda initial: BranchWalk(equations, [first], initial), curve_direction(first.matrix)
     )
-    if forward.walked().reason == "closed":
-        return _branch(equations, forward.states, forward.special, ("closed", "closed"))
-    backward.walked()
-    return _branch(
-        equations,
-        backward.states[:0:-1] + forward.states,
-        backward.special[::-1] + forward.special,
-        (backward.reason, forward.reason),
-    )
-
-
-def _branch(
-    equations: OrbitEquations,
-    states: list[OrbitState],
-    special: list[Bifurcation],
-    ends: tuple[str, str],
-) -> OrbitBranch:
     multiplier = read_only([state.multiplier for state in states])
-    gaps = [shorter_way(state.theta[:, None] - state.member.breaks) for state in states]
-    residuals = [
-        equations.residual(state.member(state.theta), state.theta)
-        for state, gap in zip(states, gaps, strict=True)
-        if not np.any(np.abs(gap) < 1e-9)  # on a jump
-    ]
     return OrbitBranch(
-        read_only([state.parameter for state in states]),
+        read_only([state.parameters[0] for state in states]),
         read_only([state.theta for state in states]),
         multiplier,
         np.abs(multiplier) < 1.0,
-        tuple(special),
-        equations.hops.size,
-        equations.winding,
+        special,
+        points.size,
+        turns,
         ends,
-        float(np.max(np.abs(residuals))),
+        max(float(np.max(np.abs(state.residual))) for state in states),
     )
+
+
+def _first_orbit(equations: OrbitEquations, at: Array) -> OrbitState | None:
+    """The orbit near ``at``, its parameter held fixed; on a saddle-node, where it cannot be, a
+    little along the branch.
+    """
+    first = equations.solved(at, np.eye(at.size)[-1])
+    given = equations.state(at)
+    if first is not None or np.max(np.abs(given.residual)) > _ON_ORBIT:
+        return first
+    along = curve_direction(given.matrix)
+    ahead = (equations.solved(at + aside * along, along) for aside in (_ASIDE, -_ASIDE))
+    return next((state for state in ahead if state is not None), None)
 
 
 def orbit_branches(
@@ -399,10 +383,10 @@ def orbit_branches(
             share = before[i] / (before[i] - after[i])
             near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
             hops = np.round((member(near) - np.roll(near, -1)) / TWO_PI)
-            solved = OrbitEquations(family, hops, branch.winding, (p - 1.0, p + 1.0)).solved_at(
-                p, near, member
-            )
-            if solved is not None and _same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
+            equations = OrbitEquations(family, hops, branch.winding, (within,))
+            at = np.append(near, p) / equations.scales
+            solved = equations.solved(at, np.eye(at.size)[-1])
+            if solved is not None and same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
                 return True
         return False
 
@@ -419,229 +403,7 @@ def orbit_branches(
     return branches
 
 
-def _same_orbit(one: Array, other: Array, tolerance: float) -> bool:
+def same_orbit(one: Array, other: Array, tolerance: float) -> bool:
+    """Whether two orbits, radians, are the same but for whole turns and the first point."""
     gaps = (shorter_way(np.roll(one, -k) - other) for k in range(one.size))
     return any(float(np.max(np.abs(gap))) <= tolerance for gap in gaps)
-
-
-def bifurcations(
-    family: Family,
-    parameters: Range,
-    period: int = 1,
-    winding: int = 0,
-    *,
-    resolution: int = RESOLUTION,
-) -> list[Bifurcation]:
-    """All bifurcations of the orbits of one period and winding.
-
-    Parameters
-    ----------
-    family : callable
-        Parameter → CircleMap.
-    parameters : tuple[float, float]
-        (low, high), the range that is searched.
-    period : int, default 1
-        Of the orbits, cycles.
-    winding : int, default 0
-        Whole turns of the orbits in a period.
-    resolution : int, optional
-        As of ``orbit_branches``.
-
-    Returns
-    -------
-    list of Bifurcation
-        Sorted by parameter.
-
-    Notes
-    -----
-    Those met on all branches of ``orbit_branches``, each once; complete as these are. Each is
-    refined by solving its extended system, to a residual near rounding, and carries an error
-    bound of first order.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.maps import CircleMap, bifurcations
-    >>> found = bifurcations(lambda omega: CircleMap.arnold(omega, 2.5), (0.0, 0.5))
-    >>> [b.kind for b in found]
-    ['period-doubling', 'saddle-node']
-    >>> found[0].parameter.holds((2.5**2 - 4.0) ** 0.5 / (2 * np.pi))
-    True
-    """
-    low, high = parameter_range("parameters", parameters)
-    kept: list[Bifurcation] = []
-    for branch in orbit_branches(family, (low, high), period, winding, resolution=resolution):
-        for found in branch.special:
-            again = any(
-                found.kind == other.kind
-                and abs(found.parameter - other.parameter) <= _SAME_PARAMETER * (high - low)
-                and _same_orbit(found.points, other.points, _SAME_POINT)
-                for other in kept
-            )
-            if not again:
-                kept.append(found)
-    return sorted(kept, key=lambda found: float(found.parameter))
-
-
-def saddle_nodes(
-    family: Family,
-    parameters: Range,
-    period: int = 1,
-    winding: int = 0,
-    *,
-    resolution: int = RESOLUTION,
-    proved: bool = False,
-) -> list[Bifurcation]:
-    """The saddle-nodes among ``bifurcations``: two orbits merge, multiplier 1.
-
-    Parameters
-    ----------
-    family : callable
-        Parameter → CircleMap.
-    parameters : tuple[float, float]
-        (low, high), the range that is searched.
-    period : int, default 1
-        Of the orbits, cycles.
-    winding : int, default 0
-        Whole turns of the orbits in a period.
-    resolution : int, optional
-        As of ``orbit_branches``.
-    proved : bool, optional
-        Widen each bound until the maps at its two ends are proved to have different numbers of
-        these orbits (``periodic_orbits`` with ``proved``): whatever smooth family joins the two, an
-        orbit with multiplier 1 lies between. For maps given by formulas; that no saddle-node is
-        missing is not proved.
-
-    Returns
-    -------
-    list of Bifurcation
-        Sorted by parameter.
-
-    Raises
-    ------
-    ConvergenceError
-        With ``proved`` where the numbers do not differ, as where one pair of orbits is born while
-        another vanishes.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap import CircleMap, saddle_nodes
-    >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
-    >>> birth.parameter.holds(0.2 * np.pi)
-    True
-    """
-    within = parameter_range("parameters", parameters)
-    found = bifurcations(family, within, period, winding, resolution=resolution)
-    folds = [each for each in found if each.kind == "saddle-node"]
-    return [_proved_fold(family, fold, within) for fold in folds] if proved else folds
-
-
-def _proved_fold(family: Family, fold: Bifurcation, within: Range) -> Bifurcation:
-    centre = float(fold.parameter)
-    half = max(fold.parameter.error_bound, EPS * (within[1] - within[0]))
-    while half <= _WIDEST * (within[1] - within[0]):
-        ends = [float(np.clip(centre + side * half, *within)) for side in (-1.0, 1.0)]
-        try:
-            counts = [_proved_count(family_member(family, end), fold) for end in ends]
-        except ConvergenceError:  # still a tangency to what intervals can tell
-            counts = [0, 0]
-        if counts[0] != counts[1]:
-            off = np.nextafter(max(centre - ends[0], ends[1] - centre), np.inf)
-            return replace(fold, parameter=Estimate(centre, off))
-        half *= 4.0
-    raise ConvergenceError(
-        f"no proof: on both sides of the saddle-node at {centre:.12g} there are as many orbits of "
-        f"period {fold.period}, or they cannot be told apart"
-    )
-
-
-def _proved_count(member: CircleMap, fold: Bifurcation) -> int:
-    # Of other degrees the winding depends on which point comes first.
-    winding = fold.winding if member.degree == 1 else None
-    return len(periodic_orbits(member, fold.period, winding, proved=True))
-
-
-def period_doublings(
-    family: Family,
-    parameters: Range,
-    period: int = 1,
-    winding: int = 0,
-    *,
-    resolution: int = RESOLUTION,
-) -> list[Bifurcation]:
-    """The period doublings among ``bifurcations``: multiplier -1.
-
-    Parameters
-    ----------
-    family : callable
-        Parameter → CircleMap.
-    parameters : tuple[float, float]
-        (low, high), the range that is searched.
-    period : int, default 1
-        Of the orbits, cycles.
-    winding : int, default 0
-        Whole turns of the orbits in a period.
-    resolution : int, optional
-        As of ``orbit_branches``.
-
-    Returns
-    -------
-    list of Bifurcation
-        Sorted by parameter.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.maps import CircleMap, period_doublings
-    >>> [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.0, 3.0))
-    >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
-    True
-    """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "period-doubling"]
-
-
-def border_collisions(
-    family: Family,
-    parameters: Range,
-    period: int = 1,
-    winding: int = 0,
-    *,
-    resolution: int = RESOLUTION,
-) -> list[Bifurcation]:
-    """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of
-    the map.
-
-    Parameters
-    ----------
-    family : callable
-        Parameter → CircleMap.
-    parameters : tuple[float, float]
-        (low, high), the range that is searched.
-    period : int, default 1
-        Of the orbits, cycles.
-    winding : int, default 0
-        Whole turns of the orbits in a period.
-    resolution : int, optional
-        As of ``orbit_branches``.
-
-    Returns
-    -------
-    list of Bifurcation
-        Sorted by parameter.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.maps import CircleMap, border_collisions
-    >>> def tent(p):
-    ...     def lift(x):
-    ...         return x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi)
-    ...     return CircleMap(lift, None, [0.0, np.pi])
-    >>> (collision,) = border_collisions(tent, (-1.0, 1.0))
-    >>> collision.folds, collision.parameter.holds(0.0)
-    (True, True)
-    """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "border-collision"]

@@ -138,11 +138,14 @@ MOEBIUS_FAMILY = ParametricLift(
 """The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters as of ``CircleMap.moebius``."""
 
 
+_KNOWN = ARNOLD_FAMILY, MOEBIUS_FAMILY
+
+
 def parametric_form(family: Family) -> ParametricLift | None:
     """The formula for many parameters at once that a family is known by, or None."""
     if isinstance(family, ParametricLift):
         return family
-    return next((one for one in (ARNOLD_FAMILY, MOEBIUS_FAMILY) if one.circle_map == family), None)
+    return next((known for known in _KNOWN if known.circle_map == family), None)
 
 
 Family = Callable[..., CircleMap]
@@ -164,8 +167,8 @@ def each_done(
         pickled.
     """
     report = progress or (lambda fraction: None)
-    many = executor and executor.map(work, items, chunksize=together)
-    for done, result in enumerate(many or map(work, items), start=1):
+    results = executor.map(work, items, chunksize=together) if executor else map(work, items)
+    for done, result in enumerate(results, start=1):
         report(done / len(items))
         yield result
 
@@ -220,7 +223,6 @@ class ParameterTangent:
     """
 
     member: CircleMap
-    parameter: float
     members: tuple[CircleMap, ...]
     weights: tuple[float, ...]
     step: float
@@ -230,16 +232,10 @@ class ParameterTangent:
     def __call__(self, theta: ArrayLike) -> Array:
         """∂F/∂p at ``theta`` (radians)."""
         base = np.mod(np.asarray(theta, dtype=np.float64), TWO_PI)
-        total = np.zeros_like(base)
-        for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
-            lift = member.right if member.breaks.size else member
-            total += weight * lift(base + self._carried(base, motion))
-        total /= self.step
+        total = self._difference(CircleMap.right, base)
         carried = self._carried(base, self.break_rates)
-        if np.any(carried):
-            # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
-            total = total - self.member.derivative(base, 1) * carried
-        return total
+        # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
+        return total - self.member.derivative(base, 1) * carried if np.any(carried) else total
 
     @property
     def error(self) -> float:
@@ -250,11 +246,15 @@ class ParameterTangent:
     def of_slopes(self, theta: Array, bend: Array) -> Array:
         """∂F'/∂p at ``theta`` (radians) beside the breaks, where F'' is ``bend``."""
         base = np.mod(theta, TWO_PI)
-        total = -self._carried(base, self.break_rates) * bend
+        difference = self._difference(CircleMap.derivative, base)
+        return difference - self._carried(base, self.break_rates) * bend
+
+    def _difference(self, read: Callable[[CircleMap, Array], Array], base: Array) -> Array:
+        """Of what is read of the maps at ``base`` (in [0, 2π)), carried along with the breaks."""
+        total = np.zeros_like(base)
         for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
-            slopes = member.derivative(base + self._carried(base, motion))
-            total += weight / self.step * slopes
-        return total
+            total += weight * read(member, base + self._carried(base, motion))
+        return total / self.step
 
     def _carried(self, theta: Array, motion: Array) -> Array:
         """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
@@ -289,7 +289,7 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
     members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
     motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
     rates = np.tensordot(weights, motions, 1) / step
-    return ParameterTangent(member, p, members, weights, step, motions, rates)
+    return ParameterTangent(member, members, weights, step, motions, rates)
 
 
 def break_motion(breaks: Array, moved: Array) -> Array:
@@ -305,6 +305,5 @@ def break_motion(breaks: Array, moved: Array) -> Array:
         )
     if breaks.size == 0:
         return np.zeros(0)
-    first = int(np.argmin(np.abs(shorter_way(moved - breaks[0]))))
-    motions = [shorter_way(np.roll(moved, k - first) - breaks) for k in (0, 1, -1)]
+    motions = [shorter_way(np.roll(moved, k) - breaks) for k in range(breaks.size)]
     return min(motions, key=lambda motion: float(np.sum(np.abs(motion))))

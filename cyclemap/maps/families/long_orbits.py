@@ -20,7 +20,13 @@ from cyclemap.checks import (
 )
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.family import Family, each_done, family_member, parametric_form
+from cyclemap.maps.families.family import (
+    Family,
+    ParametricFunction,
+    each_done,
+    family_member,
+    parametric_form,
+)
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
@@ -199,25 +205,17 @@ def lyapunov_exponents(
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
     formula = parametric_form(family)
-    parts = np.zeros((_PARTS, flat[0].size))
     lengths = np.diff(np.linspace(0, count, _PARTS + 1).astype(int))
     if formula is not None and formula.derivative is not None:
-        angle = np.full(flat[0].size, theta)
-        for _ in range(skipped):
-            angle = np.mod(formula.lift(angle, *flat), TWO_PI)
-        for part, length in zip(parts, lengths.tolist(), strict=True):
-            for _ in range(length):
-                part += _log(formula.derivative(angle, *flat))
-                angle = np.mod(formula.lift(angle, *flat), TWO_PI)
+        sums = _sums_together(formula.lift, formula.derivative, flat, theta, skipped, lengths)
     else:
         rows = list(zip(*(array.tolist() for array in flat), strict=True))
-        work = partial(_logs_of_parts, family, theta, skipped, lengths)
-        parts = np.array(list(each_done(work, rows, executor, progress, 16))).T
-    means = parts / lengths[:, None]
+        work = partial(_sums, family, theta, skipped, lengths)
+        sums = np.array(list(each_done(work, rows, executor, progress, 16))).T
+    value = sums.sum(axis=0) / count
     with np.errstate(invalid="ignore"):
-        error = _DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)
-    value = parts.sum(axis=0) / count
-    error = np.where(np.isneginf(value), 0.0, error)
+        spread = np.std(sums / lengths[:, None], axis=0, ddof=1)
+    error = np.where(np.isneginf(value), 0.0, _DEVIATIONS * spread / np.sqrt(_PARTS))
     return LyapunovExponents(
         tuple(read_only(array) for array in arrays),
         read_only(value.reshape(shape)),
@@ -225,10 +223,29 @@ def lyapunov_exponents(
     )
 
 
-def _logs_of_parts(
+def _sums_together(
+    lift: ParametricFunction,
+    derivative: ParametricFunction,
+    parameters: list[Array],
+    start: float,
+    skipped: int,
+    lengths: Whole,
+) -> Array:
+    """(parts, m): the sum of ln|F'| over each part of many orbits."""
+    angle = np.full(parameters[0].size, start)
+    for _ in range(skipped):
+        angle = np.mod(lift(angle, *parameters), TWO_PI)
+    sums = np.zeros((lengths.size, angle.size))
+    for row in np.repeat(np.arange(lengths.size), lengths).tolist():
+        sums[row] += _log(derivative(angle, *parameters))
+        angle = np.mod(lift(angle, *parameters), TWO_PI)
+    return sums
+
+
+def _sums(
     family: Family, start: float, skipped: int, lengths: Whole, parameters: tuple[float, ...]
 ) -> Array:
-    """(parts,): the sum of ln|F'| over each part of one orbit."""
+    """(parts,): the same of one orbit."""
     member = family_member(family, *parameters)
     visited = orbit_angles(member, start, skipped + int(lengths.sum()))[skipped:]
     logs = _log(member.derivative(visited))
@@ -331,18 +348,17 @@ def lyapunov_exponent(
         return _under_noise(circle_map, noise)
     begin = _STARTS if start is None else np.array([finite_number("start", start)])
     visited = orbits_angles(circle_map, begin, skipped + ITERATES)[:, skipped:]
-    found = [_along_orbit(circle_map, row) for row in visited]
-    if start is not None:
-        return found[0]
-    low, high = (int(pick(found)) for pick in (np.argmin, np.argmax))
-    allowed = _SAME + 4.0 * (found[low].error_bound + found[high].error_bound)
-    if found[low] != found[high] and found[high] - found[low] > allowed:
+    exponents = [_along_orbit(circle_map, row) for row in visited]
+    low, high = (int(pick(exponents)) for pick in (np.argmin, np.argmax))
+    least = exponents[low]
+    most = exponents[high]
+    allowed = _SAME + 4.0 * (least.error_bound + most.error_bound)
+    if least != most and most - least > allowed:
         raise InvalidInput(
-            f"the map has several attractors: the exponent is {found[low]:.6g} from θ = "
-            f"{_STARTS[low]:.4f}, {found[high]:.6g} from {_STARTS[high]:.4f}; give the start that "
-            "is meant"
+            f"the map has several attractors: the exponent is {least:.6g} from θ = "
+            f"{_STARTS[low]:.4f}, {most:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
         )
-    return min(found, key=lambda one: one.error_bound)
+    return min(exponents, key=lambda exponent: exponent.error_bound)
 
 
 def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
@@ -358,11 +374,11 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
         slope, error = circle_map.derivative_and_error(at)
         return np.minimum(error / np.maximum(np.abs(slope), _FLOOR), _BLUR)
 
-    found = operator.expectation(
+    mean = operator.expectation(
         lambda at: np.log(np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)), folds=True
     )
     blurred = operator.expectation(blur, folds=True)
-    return Estimate(found, found.error_bound + blurred.upper)
+    return Estimate(mean, mean.error_bound + blurred.upper)
 
 
 def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
@@ -398,30 +414,16 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
     """
     theta = start
     for _ in range(_NEWTON):
-        points, gap = _once_round(circle_map, theta, period)
-        multiplier = float(np.prod(circle_map.derivative(points)))
+        visited = orbit_angles(circle_map, theta, period + 1)
+        multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
         if abs(multiplier) >= 1.0:
             return None
-        step = gap / (1.0 - multiplier)
+        step = float(shorter_way(visited[-1] - theta)) / (1.0 - multiplier)
         theta += step
         if abs(step) <= 4.0 * EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
-            points, _ = _once_round(circle_map, theta, period)
-            return points if abs(theta - start) < _NEAR else None
+            near = abs(theta - start) < _NEAR
+            return orbit_angles(circle_map, theta, period) if near else None
     return None
-
-
-def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array, float]:
-    """The orbit of ``theta`` over one period, and how far it comes back from a whole number of
-    turns.
-    """
-    lift = circle_map.scalar()
-    at = theta
-    points = []
-    for _ in range(period):
-        points.append(at)
-        at = lift(at)
-        at -= TWO_PI * np.floor(at / TWO_PI)
-    return np.array(points), float(shorter_way(at - theta))
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
@@ -429,17 +431,14 @@ def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
     slopes = np.abs(slopes)
     if np.any(slopes == 0.0):
         return Estimate(float("-inf"), 0.0)
-    found = float(np.mean(np.log(slopes)))
+    exponent = float(np.mean(np.log(slopes)))
     # The orbit is known to rounding over 1 - |multiplier|: what so small a shift changes is the
     # bound.
-    shift = (
-        16.0
-        * EPS
-        * (1.0 + np.max(np.abs(points)))
-        / (1.0 - min(np.exp(points.size * found), 1.0 - EPS))
-    )
+    gap = 1.0 - min(float(np.prod(slopes)), 1.0 - EPS)
+    shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / gap
     nearby = [np.abs(circle_map.derivative(points + side * 1e3 * shift)) for side in (-1.0, 1.0)]
     with np.errstate(divide="ignore"):
-        changes = [np.abs(np.log(slope) - np.log(slopes)) for slope in nearby]
-    moved = float(np.max(np.mean(changes, axis=1))) / 1e3
-    return Estimate(found, moved + _from_slopes(errors, slopes) + 8.0 * EPS * (1.0 + abs(found)))
+        changes = np.mean(np.abs(np.log(nearby) - np.log(slopes)), axis=1)
+    moved = float(np.max(changes)) / 1e3
+    rounding = 8.0 * EPS * (1.0 + abs(exponent))
+    return Estimate(exponent, moved + _from_slopes(errors, slopes) + rounding)

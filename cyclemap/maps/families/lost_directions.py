@@ -14,7 +14,8 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE
-from cyclemap.maps.families.continuation import saddle_nodes
+from cyclemap.maps.families.bifurcations import saddle_nodes
+from cyclemap.maps.families.continuation import Bifurcation
 from cyclemap.maps.families.family import (
     Family,
     Range,
@@ -22,7 +23,7 @@ from cyclemap.maps.families.family import (
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.families.orbit_equations import Bifurcation, OrbitState
+from cyclemap.maps.families.orbit_equations import second_derivative
 from cyclemap.written import DIRECTION
 
 _AIRY = 2.338107410459767  # the first zero of Ai(-x)
@@ -117,8 +118,7 @@ def slow_folds(
         p = float(fold.parameter)
         theta = fold.points
         member = family_member(family, p)
-        state = OrbitState(p, theta, member, member.derivative(theta))
-        bend = 0.5 * float(state.multiplier_gradient([])[0])
+        bend = 0.5 * float(second_derivative(member, theta)[0])
         push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)

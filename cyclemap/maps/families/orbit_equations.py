@@ -1,50 +1,61 @@
-"""Periodic orbits as solutions of F(θ_i; p) = θ_{i+1} + 2πh_i, and where they bifurcate."""
+"""Periodic orbits as solutions of F(θ_i; p) = θ_{i+1} + 2πh_i in one or two parameters, alone or
+with the condition of a bifurcation.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
-from cyclemap.checks import read_only
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS, Estimate
+from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import EPS, LIFT, STENCIL
 from cyclemap.maps.families.family import (
     Family,
     ParameterTangent,
     Range,
-    break_motion,
     family_member,
     limit_at_break,
     parameter_tangent,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP
+from cyclemap.maps.lifts.lift_checks import JUMP, distance_to_break
 
+MULTIPLIERS = {"saddle-node": 1.0, "period-doubling": -1.0}
 _ITERATIONS = 12
 _STEP = 1e-5  # of the range: for second-order differences in p
 _LONGEST = 1.0  # scaled length of a Newton step that counts as lost
 _CLOSE = 1e-13
+_ROUNDING = 2e-14  # radians: a residual that no step makes smaller
+_SLACK = 1e-9  # of a range: solutions so little outside are at its end
 _BEND = 1e-4  # radians: step of the differences of F'
+_BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
+# radians: spacing of the five-point differences of (F^n)'
+_WIDE = 4e-3
+_NARROW = 1e-6
+_ANGLES = np.linspace(0.0, TWO_PI, 64, endpoint=False)
+_STENCILS = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / 12.0
 
 
 @dataclass(frozen=True, eq=False)
 class OrbitState:
-    """A periodic orbit at one parameter: its points (radians, continuous along a branch) and their
-    slopes F'.
+    """A periodic orbit: scaled coordinates (θ/√n, p/range, ...), its parameters, its points
+    (radians, continuous along a branch), their slopes F'.
 
-    ``push`` is ∂F/∂p at the points where it is known, read at a parameter nearby: good enough for a
-    prediction.
+    hops : whole turns taken off after each cycle.
+    residual, matrix : of the equations that it was made by, and their derivative by ``at``.
     """
 
-    parameter: float
+    at: Array
+    parameters: tuple[float, ...]
     theta: Array
     member: CircleMap
     slopes: Array
-    push: Array | None = None
+    hops: Array
+    residual: Array
+    matrix: Array
 
     @property
     def multiplier(self) -> float:
@@ -54,134 +65,258 @@ class OrbitState:
     @property
     def other_slopes(self) -> Array:
         """The product of all slopes but each: how the multiplier moves with that one."""
-        return np.array([np.prod(np.delete(self.slopes, i)) for i in range(self.slopes.size)])
+        return _products_of_others(self.slopes)
 
-    def multiplier_gradient(self, tangents: Sequence[ParameterTangent]) -> Array:
-        """The multiplier's derivatives by θ_i, from differences of F' that reach across no break,
-        and by the tangents' parameters.
+    @property
+    def halves(self) -> Array:
+        """How far, radians, the point half a period later is from each; empty where the period is
+        odd.
         """
-        others = self.other_slopes
-        gaps = shorter_way(
-            self.theta[:, None] - np.append(self.member.breaks, self.theta[0] + np.pi)
-        )
-        gap = gaps[np.arange(self.theta.size), np.argmin(np.abs(gaps), axis=1)]
-        below = np.where((gap > 0.0) & (gap <= _BEND), 0.0, _BEND)
-        above = np.where((gap < 0.0) & (gap >= -_BEND), 0.0, _BEND)
-        rise = self.member.derivative(self.theta + above) - self.member.derivative(
-            self.theta - below
-        )
-        bend = rise / (below + above)
-        changes = [others @ tangent.of_slopes(self.theta, bend) for tangent in tangents]
-        return np.append(others * bend, changes)
+        half, odd = divmod(self.theta.size, 2)
+        return np.zeros(0) if odd else np.roll(self.theta, -half) - self.theta
+
+    @property
+    def gap(self) -> Array:
+        """The same the shorter way round."""
+        return shorter_way(self.halves)
+
+    @cached_property
+    def spread(self) -> float:
+        """How far F^n is from a rotation: the largest less the least of F^n - id at 64 angles,
+        radians.
+        """
+        theta = _ANGLES
+        for _ in self.hops:
+            theta = self.member(theta)
+        return float(np.ptp(theta - _ANGLES))
+
+    @cached_property
+    def bend(self) -> tuple[Array, Array]:
+        """(F^n)'' and (F^n)''' at the orbit's first point, and bounds: four times what half as wide
+        stencils change. Narrower where a break is near: at half the distance at most.
+        """
+        growth = np.maximum(1.0, np.abs(np.cumprod(np.append(1.0, self.slopes[:-1]))))
+        free = float(np.min(distance_to_break(self.member.breaks, self.theta) / growth))
+        if free < 8.0 * _NARROW:  # at a break there is no such derivative
+            return np.full(2, np.nan), np.full(2, np.inf)
+        narrow = min(_WIDE, free / 8.0)
+        near, far = (self._differences(width) for width in (narrow, 2.0 * narrow))
+        rounding = STENCIL * self.hops.size / np.array([narrow, narrow**2])
+        return near, np.abs(far - near) / 4.0 + rounding
+
+    def _differences(self, width: float) -> Array:
+        theta = self.theta[0] + width * np.arange(-2.0, 3.0)
+        slopes = np.ones(5)
+        for hop in self.hops:
+            slopes *= self.member.derivative(theta)
+            theta = self.member(theta) - TWO_PI * hop
+        return np.asarray(_STENCILS @ slopes / np.array([width, width**2]))
+
+
+def _products_of_others(slopes: Array) -> Array:
+    return np.array([np.prod(np.delete(slopes, i)) for i in range(slopes.size)])
+
+
+def second_derivative(member: CircleMap, theta: Array) -> Array:
+    """F'' at ``theta``, shape (n,), from differences of F' that reach across no break."""
+    gaps = shorter_way(theta[:, None] - np.append(member.breaks, theta[0] + np.pi))
+    gap = gaps[np.arange(theta.size), np.argmin(np.abs(gaps), axis=1)]
+    below = np.where((gap > 0.0) & (gap <= _BEND), 0.0, _BEND)
+    above = np.where((gap < 0.0) & (gap >= -_BEND), 0.0, _BEND)
+    rise = member.derivative(theta + above) - member.derivative(theta - below)
+    return np.asarray(rise / (below + above))
 
 
 @dataclass(frozen=True, eq=False)
 class OrbitEquations:
-    """The n equations of a period-n orbit and the scaled space (θ/√n, p/scale) in which branches
-    are followed.
+    """The n equations of a period-n orbit in the scaled space (θ/√n, p/range, ...), and with a
+    ``kind`` one more: a multiplier of ±1, or a point on a break.
 
+    family : of one or two parameters, never called outside their ``ranges``.
     hops : shape (n,), whole turns taken off after each cycle.
     winding : of the orbit (for degree 1 their sum).
-    within : the range of the parameter, outside which the family is never called; its length is the
-        scale.
+    kind : "", "saddle-node", "period-doubling" or "border-collision".
+    point, side : of a border collision, which point is on a break, and from where it comes (1
+        above, -1 below): there the map is that of this side, gone on with beyond the break.
     """
 
     family: Family
     hops: Array
     winding: int
-    within: Range
+    ranges: tuple[Range, ...]
+    kind: str = ""
+    point: int = 0
+    side: int = 0
 
-    @property
+    @cached_property
     def scales(self) -> Array:
-        """Radians, and units of the parameter, to a unit of the scaled space."""
-        period = self.hops.size
-        return np.append(np.full(period, np.sqrt(period)), self.within[1] - self.within[0])
+        """Radians, and units of the parameters, to a unit of the scaled space."""
+        spans = [high - low for low, high in self.ranges]
+        return np.append(np.full(self.hops.size, np.sqrt(self.hops.size)), spans)
 
-    def push(self, p: float) -> ParameterTangent:
-        """∂F/∂p at ``p``."""
-        return parameter_tangent(self.family, p, _STEP, self.within)
+    def parameters(self, at: Array) -> tuple[float, ...]:
+        """The parameters of scaled coordinates, inside their ranges."""
+        values = (at * self.scales)[self.hops.size :]
+        return tuple(np.clip(values, *np.transpose(self.ranges)).tolist())
 
-    def residual(self, images: Array, theta: Array) -> Array:
-        """F(θ_i) - θ_{i+1} - 2πh_i from the images F(θ_i)."""
-        return images - np.roll(theta, -1) - TWO_PI * self.hops
+    def tangents(self, at: Array) -> list[ParameterTangent]:
+        """∂F by each of the parameters."""
+        values = self.parameters(at)
+        made = []
+        for k, within in enumerate(self.ranges):
 
-    def jacobian(self, slopes: Array) -> Array:
-        """(n, n): derivative of the residual with respect to θ."""
-        return np.diag(slopes) - np.roll(np.eye(self.hops.size), 1, axis=1)
+            def along(value: float, k: int = k) -> CircleMap:
+                return family_member(self.family, *values[:k], value, *values[k + 1 :])
 
-    def point(self, state: OrbitState) -> Array:
-        """The state in the scaled space."""
-        return np.append(state.theta, state.parameter) / self.scales
+            made.append(parameter_tangent(along, values[k], _STEP, within))
+        return made
 
-    def state(self, p: float, theta: Array, member: CircleMap | None = None) -> OrbitState:
-        """The state at these points, not corrected."""
-        at = member or family_member(self.family, p)
-        return OrbitState(p, theta, at, at.derivative(theta))
+    def state(self, at: Array, tangents: list[ParameterTangent] | None = None) -> OrbitState:
+        """The orbit at these scaled coordinates, not corrected, and the equations there.
 
-    def solved_at(
-        self, p: float, theta: Array, member: CircleMap | None = None
-    ) -> OrbitState | None:
-        """The orbit near ``theta`` at a fixed parameter, to rounding; None when Newton's method
-        finds none.
+        tangents : ∂F by the parameters where they are known nearby: good enough for a step.
         """
-        at = member or family_member(self.family, p)
+        n = self.hops.size
+        theta = at[:n] * self.scales[:n]
+        parameters = self.parameters(at)
+        tangents = tangents or self.tangents(at)
+        member = family_member(self.family, *parameters)
+        images = np.array(member(theta))
+        slopes = np.array(member.derivative(theta))
+        pushed = np.array(theta)
+        gap = 0.0
+        if self.side:
+            gaps = shorter_way(theta[self.point] - member.breaks)
+            gap = float(gaps[np.argmin(np.abs(gaps))])
+            border = theta[self.point] - gap
+            slopes[self.point] = member.derivative(border, self.side)
+            limit = limit_at_break(member, border, self.side)
+            images[self.point] = limit + slopes[self.point] * gap
+            pushed[self.point] = border - _BESIDE * (self.side < 0)
+        residual = images - np.roll(theta, -1) - TWO_PI * self.hops
+        jacobian = np.diag(slopes) - np.roll(np.eye(n), 1, axis=1)
+        matrix = np.column_stack([jacobian, *(tangent(pushed) for tangent in tangents)])
+        if self.kind:
+            missed, row = self._condition(member, theta, slopes, tangents, gap)
+            residual = np.append(residual, missed)
+            matrix = np.vstack([matrix, row])
+        return OrbitState(
+            at, parameters, theta, member, slopes, self.hops, residual, matrix * self.scales
+        )
+
+    def _condition(
+        self,
+        member: CircleMap,
+        theta: Array,
+        slopes: Array,
+        tangents: list[ParameterTangent],
+        gap: float,
+    ) -> tuple[float, Array]:
+        """What the condition of the bifurcation misses by, and its derivative."""
+        if self.side:
+            border = theta[self.point] - gap
+            rates = [
+                tangent.break_rates[np.argmin(np.abs(shorter_way(border - tangent.member.breaks)))]
+                for tangent in tangents
+            ]
+            return gap, np.append(np.arange(theta.size) == self.point, np.negative(rates))
+        bend = second_derivative(member, theta)
+        others = _products_of_others(slopes)
+        changes = [others @ tangent.of_slopes(theta, bend) for tangent in tangents]
+        return float(np.prod(slopes)) - MULTIPLIERS[self.kind], np.append(others * bend, changes)
+
+    def solved(self, guess: Array, rows: Array) -> OrbitState | None:
+        """The solution nearest to ``guess`` across ``rows`` (both scaled), to rounding; None when
+        Newton's method finds none (Keller 1977).
+        """
+        at = guess
         last = np.inf
+        tangents = None if self.kind else self.tangents(guess)
         for _ in range(_ITERATIONS):
+            beyond = at[self.hops.size :] - self.parameters(at) / self.scales[self.hops.size :]
+            if np.max(np.abs(beyond)) > _SLACK:
+                return None
+            state = self.state(at, tangents)
             moved = least_step(
-                self.jacobian(at.derivative(theta)), -self.residual(at(theta), theta)
+                np.vstack([state.matrix, rows]), -np.append(state.residual, rows @ (at - guess))
             )
             size = float(np.max(np.abs(moved)))
             if not size < _LONGEST:
                 return None
-            theta = theta + moved
-            if size <= _CLOSE or (size < 1e-9 and size > 0.25 * last):
-                return self.state(p, theta, at)
+            at = at + moved
+            # A lift that is itself known to a tolerance only lets steps shrink to what that allows.
+            least = 1e-9 + 1e3 * state.member.max_error
+            if size <= _CLOSE or (size < least and size > 0.25 * last):
+                return self.state(at, tangents)
             last = size
-        return None
+        # Near a tip the equations hold to rounding all around.
+        return state if np.max(np.abs(state.residual)) < _ROUNDING else None
 
-    def solved_along(self, guess: Array, direction: Array) -> OrbitState | None:
-        """The orbit nearest to ``guess`` across ``direction`` (both scaled),
-        or None (Keller 1977)."""
-        low, high = self.within
-        slack = 1e-12 * (high - low)
-        span = high - low
-        if not low - slack <= guess[-1] * span <= high + slack:
-            return None
-        tangent = self.push(float(np.clip(guess[-1] * span, low, high)))
-        at = tangent.member
-        last = np.inf
-        point = guess
-        for _ in range(_ITERATIONS):
-            theta = point[:-1] * self.scales[:-1]
-            residual = self.residual(at(theta), theta)
-            bordered = (
-                np.column_stack([self.jacobian(at.derivative(theta)), tangent(theta)]) * self.scales
-            )
-            moved = least_step(
-                np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess))
-            )
-            size = float(np.max(np.abs(moved)))
-            point = point + moved
-            if not size < _LONGEST or not low - slack <= point[-1] * span <= high + slack:
-                return None
-            p = float(np.clip(point[-1] * span, low, high))
-            at = family_member(self.family, p)
-            if size <= _CLOSE or (size < 1e-9 and size > 0.25 * last):
-                theta = point[:-1] * self.scales[:-1]
-                return replace(self.state(p, theta, at), push=tangent(theta))
-            last = size
-        return None
+    def jumps(self, state: OrbitState) -> bool:
+        """Whether the map jumps at the break on which the point of a border collision is."""
+        border = state.theta[self.point]
+        return bool(abs(float(state.member.right(border) - state.member.left(border))) > JUMP)
 
-    def direction(self, slopes: Array, push: Array, along: Array | None = None) -> Array:
-        """The unit tangent of the branch in the scaled space, turned towards ``along``."""
-        bordered = np.column_stack([self.jacobian(slopes), push]) * self.scales
-        if along is not None:
-            unit = least_step(
-                np.vstack([bordered, along]), np.append(np.zeros(self.hops.size), 1.0)
+    def tests(self, state: OrbitState) -> list[tuple[str, float, float]]:
+        """What changes its sign where something happens on the curve of solutions: its kind, the
+        value and a bound on its error.
+        """
+        if not self.kind:
+            return [(kind, state.multiplier - at, 0.0) for kind, at in MULTIPLIERS.items()]
+        if not self.side:
+            value, error = self.coefficient(state)
+            return [("cusp" if self.kind == "saddle-node" else "generalised flip", value, error)]
+        multipliers = [state.multiplier]
+        if not self.jumps(state):
+            beyond = state.member.derivative(state.theta[self.point], -self.side)
+            multipliers.append(float(state.other_slopes[self.point] * beyond))
+        return [
+            (kind, multiplier - at, 1e-9)
+            for multiplier in multipliers
+            for kind, at in (("border saddle-node", 1.0), ("border flip", -1.0))
+        ]
+
+    def coefficient(self, state: OrbitState) -> tuple[float, float]:
+        """Of the normal form of a saddle-node or a period doubling, and a bound on its error."""
+        if self.side:
+            return float("nan"), float("inf")
+        (second, third), (off, far) = (pair.tolist() for pair in state.bend)
+        if self.kind == "saddle-node":
+            return second, off
+        return 0.25 * second**2 + third / 6.0, 0.5 * abs(second) * off + 0.25 * off**2 + far / 6.0
+
+    def errors(self, state: OrbitState, rows: Array) -> Array:
+        """Bounds of first order on the errors of a solution's scaled parameters, solved across
+        ``rows``: rows of the inverse times what the equations may be off by.
+
+        That is the residual, rounding, the map's ``max_error``, and of a multiplier what the map
+        tells of the errors of F'. A saddle-node's row is 0 at the multiplier, so that it does not
+        move with F'; a period doubling does.
+        """
+        n = self.hops.size
+        images = np.roll(state.theta, -1) + TWO_PI * self.hops
+        off = np.append(
+            2.0 * LIFT * (2.0 * TWO_PI + np.abs(images)),
+            8.0 * EPS * n * max(1.0, abs(state.multiplier)),
+        )
+        off += np.abs(state.residual) + state.member.max_error
+        if not self.side:
+            off[-1] += (
+                np.abs(state.other_slopes) @ state.member.derivative_and_error(state.theta)[1]
             )
-            return np.asarray(unit / np.linalg.norm(unit))
-        _, _, rows = np.linalg.svd(bordered)
-        return np.asarray(rows[-1])
+        try:
+            inverse = np.abs(np.linalg.inv(np.vstack([state.matrix, rows])))
+        except np.linalg.LinAlgError:
+            return np.full(len(self.ranges), np.inf)
+        return np.asarray(inverse[n:, : n + 1] @ off)
+
+
+def curve_direction(matrix: Array, along: Array | None = None) -> Array:
+    """The unit tangent of the solutions of equations with this derivative, turned towards
+    ``along``.
+    """
+    unit = np.linalg.svd(matrix)[2][-1]
+    return np.asarray(-unit if along is not None and unit @ along < 0.0 else unit)
 
 
 def least_step(matrix: Array, right: Array) -> Array:
@@ -207,292 +342,4 @@ def orbit_equations(
             f"the points wind {turns} times at {parameter:.9g}, not {winding}: give an orbit of "
             "that map"
         )
-    return OrbitEquations(family, hops, winding, within)
-
-
-def crossed_break(before: OrbitState, theta: Array, motion: Array) -> tuple[int, int, float] | None:
-    """(point, break, share of the step) of the first break crossed on the way from ``before`` to
-    ``theta``.
-
-    ``motion`` : how far each break has moved meanwhile. None when none is crossed.
-    """
-    if motion.size == 0:
-        return None
-    old = shorter_way(before.theta[:, None] - before.member.breaks)
-    new = old + (theta - before.theta)[:, None] - motion
-    crossed: Mask = (old * new < 0.0) & (np.abs(old) < 1.0) & (np.abs(old) > 1e-11)
-    if not np.any(crossed):
-        return None
-    share = np.where(crossed, np.abs(old) / np.where(crossed, np.abs(old - new), 1.0), np.inf)
-    point, which = np.unravel_index(int(np.argmin(share)), share.shape)
-    return int(point), int(which), float(share[point, which])
-
-
-_TRANSVERSE = (
-    1e-6  # a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
-)
-
-
-@dataclass(frozen=True, eq=False)
-class Bifurcation:
-    """A parameter at which a periodic orbit changes.
-
-    Attributes
-    ----------
-    kind : str
-        "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1),
-        "border-collision" (a point of the orbit meets a break of the map) or "branch point"
-        (multiplier 1 where branches cross).
-    parameter : Estimate
-        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and
-        what ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope,
-        not the truth's, and period doublings and branch points move with the difference.
-    points : ndarray, shape (period,)
-        Radians in [0, 2π), in order of visit, the smallest first; of a border collision the one
-        on the break first.
-    period, winding : int
-        Of the orbit.
-    multiplier, left_multiplier : float
-        (Fⁿ)' there; at a border collision with the slopes from the right and from the left of
-        the break.
-    jump : bool
-        Whether the break met is a jump of the map, where the branch ends, and not a kink.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap import CircleMap, saddle_nodes
-    >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
-    >>> birth.kind, birth.parameter.holds(0.2 * np.pi), birth.folds, round(birth.theta, 6)
-    ('saddle-node', True, True, 1.570796)
-    """
-
-    kind: str
-    parameter: Estimate
-    points: Array
-    period: int
-    winding: int
-    multiplier: float
-    left_multiplier: float
-    jump: bool
-
-    @property
-    def theta(self) -> float:
-        """The first of the points, radians."""
-        return float(self.points[0])
-
-    @property
-    def folds(self) -> bool:
-        """Whether two orbits meet and vanish here: a saddle-node, or its like at a kink.
-
-        At a kink that is so where 1 lies between the one-sided multipliers (di Bernardo et al.
-        2008, ch. 3).
-        """
-        if self.kind != "border-collision":
-            return self.kind == "saddle-node"
-        return not self.jump and (self.multiplier - 1.0) * (self.left_multiplier - 1.0) < 0.0
-
-
-Solution = TypeVar("Solution")
-
-
-def zero_along(
-    ends: tuple[Solution, Solution],
-    length: float,
-    solved: Callable[[float], Solution | None],
-    value: Callable[[Solution], float],
-    lost: str,
-) -> Solution:
-    """The solution at which ``value`` is 0, between two on a curve that are ``length`` apart, by
-    its sign there.
-
-    solved : the solution at a distance from the first, or None: then ConvergenceError says what is
-        ``lost``.
-    """
-    from scipy.optimize import brentq
-
-    known = {0.0: ends[0], length: ends[1]}
-
-    def value_at(distance: float) -> float:
-        if distance not in known:
-            solution = solved(distance)
-            if solution is None:
-                raise ConvergenceError(lost)
-            known[distance] = solution
-        return value(known[distance])
-
-    return known[brentq(value_at, 0.0, length, xtol=EPS * length, rtol=8.0 * EPS)]
-
-
-def smooth_bifurcation(
-    equations: OrbitEquations,
-    before: OrbitState,
-    after: OrbitState,
-    direction: Array,
-    target: float,
-) -> tuple[OrbitState, Bifurcation]:
-    """The orbit with multiplier ``target`` (1 or -1) between two neighbouring states of a branch.
-
-    The extended system (orbit, multiplier) is solved by bisection and interpolation along the
-    branch.
-    """
-    begin = equations.point(before)
-    at = zero_along(
-        (before, after),
-        float(direction @ (equations.point(after) - begin)),
-        lambda distance: equations.solved_along(begin + distance * direction, direction),
-        lambda state: state.multiplier - target,
-        f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost "
-        f"while its multiplier was brought to {target:g}",
-    )
-    tangent = equations.push(at.parameter)
-    push = tangent(at.theta)
-    kind = "period-doubling"
-    if target > 0.0:
-        left, _, _ = np.linalg.svd(equations.jacobian(at.slopes))
-        transverse = abs(float(left[:, -1] @ push)) > _TRANSVERSE * float(np.max(np.abs(push)))
-        kind = "saddle-node" if transverse else "branch point"
-    condition = at.multiplier_gradient([tangent])
-    residual = np.append(equations.residual(at.member(at.theta), at.theta), at.multiplier - target)
-    slope_errors = at.member.derivative_and_error(at.theta)[1]
-    unknown = float(np.abs(at.other_slopes) @ slope_errors)
-    return at, recorded(kind, equations, at, push, condition, residual, unknown=unknown)
-
-
-def recorded(
-    kind: str,
-    equations: OrbitEquations,
-    at: OrbitState,
-    push: Array,
-    condition: Array,
-    residual: Array,
-    *,
-    unknown: float = 0.0,
-    multipliers: tuple[float, float] | None = None,
-    first: int | None = None,
-    jump: bool = False,
-) -> Bifurcation:
-    """The bifurcation with its bound: |last row of the extended Jacobian's inverse|·(|residual| +
-    rounding + error).
-
-    error : the map's ``max_error``, of the orbit's equations alone. A saddle-node's row is 0 at the
-        multiplier, so that it does not move with F'; a period doubling does.
-    unknown : what the extra equation may be off by the error of F' that the map tells.
-
-    push : ∂F/∂p at the points.
-    condition : derivative of the extra equation with respect to (θ, p).
-    residual : of all n + 1 equations.
-    multipliers : from the right and from the left where they differ. Good to first order; nothing
-        beyond that is proved.
-    """
-    points = np.mod(at.theta, TWO_PI)
-    extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])
-    angle = 2.0 * TWO_PI + np.abs(np.roll(at.theta, -1) + TWO_PI * equations.hops)
-    rounding = np.append(2.0 * EPS * angle, 8.0 * EPS * angle.size * max(1.0, abs(at.multiplier)))
-    rounding[:-1] += at.member.max_error
-    rounding[-1] += unknown
-    try:
-        row = np.abs(np.linalg.inv(extended)[-1])
-        error = float(row @ (np.abs(residual) + rounding)) + 2.0 * EPS * abs(at.parameter)
-    except np.linalg.LinAlgError:
-        error = float("inf")
-    return Bifurcation(
-        kind,
-        Estimate(at.parameter, error),
-        read_only(np.roll(points, -(int(np.argmin(points)) if first is None else first))),
-        points.size,
-        equations.winding,
-        *(multipliers or (at.multiplier, at.multiplier)),
-        jump,
-    )
-
-
-_BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
-
-
-def one_sided(
-    equations: OrbitEquations, tangent: ParameterTangent, theta: Array, point: int, side: int
-) -> tuple[OrbitState, Array, Array, Array]:
-    """The orbit with θ_point on a break, the map there that of one side (-1 below, 1 above).
-
-    Its state, the residual of its equations, ∂F/∂p, and the derivative of θ_point - break with
-    respect to (θ, p).
-    """
-    member = tangent.member
-    beside = np.array(theta)
-    at = theta[point]
-    images = np.array(member(theta))
-    slopes = np.array(member.derivative(theta))
-    images[point] = limit_at_break(member, at, side)
-    slopes[point] = member.derivative(at, side)
-    beside[point] -= _BESIDE * (side < 0)
-    rate = tangent.break_rates[int(np.argmin(np.abs(shorter_way(at - member.breaks))))]
-    condition = np.append(np.arange(theta.size) == point, -rate)
-    state = OrbitState(tangent.parameter, theta, member, slopes)
-    return state, equations.residual(images, theta), tangent(beside), condition
-
-
-def border_collision(
-    equations: OrbitEquations, before: OrbitState, near: tuple[Array, float], point: int, which: int
-) -> tuple[Bifurcation, OrbitState, Array | None] | None:
-    """The collision of θ_point with the break ``which`` of ``before``, near (θ, p); None when there
-    is none.
-
-    Newton's method on the extended system: the orbit's equations with the map of the side it comes
-    from, and θ_point on the break, which itself moves with the parameter. Returned are the record,
-    the orbit there, beyond a kink with the slopes of the far side, and the scaled direction in
-    which the branch leaves there, None at a jump.
-    """
-    gap = float(shorter_way(before.theta[point] - before.member.breaks[which]))
-    side = 1 if gap > 0.0 else -1
-    theta = np.array(near[0])
-    p = near[1]
-    last = np.inf
-    for _ in range(_ITERATIONS):
-        if not equations.within[0] <= p <= equations.within[1]:
-            return None
-        tangent = equations.push(p)
-        theta[point] = (
-            before.theta[point]
-            - gap
-            + break_motion(before.member.breaks, tangent.member.breaks)[which]
-        )
-        state, residual, push, condition = one_sided(equations, tangent, theta, point, side)
-        extended = np.vstack([np.column_stack([equations.jacobian(state.slopes), push]), condition])
-        try:
-            moved = np.linalg.solve(extended, -np.append(residual, 0.0))
-        except np.linalg.LinAlgError:
-            return None
-        size = float(np.max(np.abs(moved)))
-        if size <= 1e-14 or (size < 1e-10 and size > 0.25 * last):
-            break
-        if not size < 1.0:
-            return None
-        theta = theta + moved[:-1]
-        p = p + float(moved[-1])
-        last = size
-    else:
-        return None
-    beyond, _, far_push, far_condition = one_sided(equations, tangent, theta, point, -side)
-    jump = bool(
-        abs(float(state.member.right(theta[point]) - state.member.left(theta[point]))) > JUMP
-    )
-    right, left = (state, beyond) if side > 0 else (beyond, state)
-    sides = right.multiplier, left.multiplier
-    whole = np.append(residual, 0.0)
-    record = recorded(
-        "border-collision",
-        equations,
-        state,
-        push,
-        condition,
-        whole,
-        multipliers=sides,
-        first=point,
-        jump=jump,
-    )
-    if jump:
-        return record, state, None
-    outward = equations.direction(beyond.slopes, far_push)
-    leaving = -side * float(far_condition @ (outward * equations.scales))
-    return record, beyond, outward if leaving >= 0.0 else -outward
+    return OrbitEquations(family, hops, winding, (within,))

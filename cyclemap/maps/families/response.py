@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,13 +30,12 @@ from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import (
     Arc,
-    arc_ends,
+    begun,
     killed_chain,
-    outside_of,
-    required_inside,
 )
 from cyclemap.one_thread import one_thread
 
+Rate = TypeVar("Rate", float, Array)
 _STEP = 1e-3  # of the range: spacing of the differences by which ∂F/∂p is told
 _STRETCH = 1.4  # factor on the nodes' bandwidth of the second route to a passage time's derivative
 
@@ -136,23 +136,13 @@ class Response:
     @one_thread
     def expectation(self, function: Callable[[Array], Array]) -> Estimate:
         """d/dp of E h(θ) under the stationary law; h as of ``TransferOperator.expectation``."""
-
-        def moments(basis: FourierDiscretisation) -> Array:
-            theta, weight = basis.rule
-            return basis.integrals(theta, weight * checked_values(function, theta))
-
-        return self._estimated(moments, 0.0)
+        return self._estimated(function, 0.0)
 
     @cached_property
     @one_thread
     def rotation_number(self) -> Estimate:
         """d/dp of the mean winding, turns a cycle."""
-
-        def moments(basis: FourierDiscretisation) -> Array:
-            theta, weight = basis.rule
-            return basis.integrals(theta, weight * basis.map.turn(theta) / TWO_PI)
-
-        return self._estimated(moments, 1.0 / TWO_PI)
+        return self._estimated(lambda at: self.operator.map.turn(at) / TWO_PI, 1.0 / TWO_PI)
 
     @cached_property
     def stable_points(self) -> tuple[tuple[float, Estimate], ...]:
@@ -160,14 +150,11 @@ class Response:
         moving = []
         for orbit in fixed_points(self.operator.map):
             if orbit.stable:
-                near, far = (
-                    float(push(orbit.points)[0]) / (1.0 - orbit.multiplier)
-                    for push in (self.near, self.far)
-                )
-                rounding = 64.0 * EPS / self.near.step
-                bound = abs(near - far) + (rounding + self._unknown) / (1.0 - orbit.multiplier)
-                rate = Estimate((4.0 * near - far) / 3.0, bound)
-                moving.append((float(orbit.points[0]), rate))
+                still = 1.0 - orbit.multiplier
+                near, far = (float(push(orbit.points)[0]) / still for push in (self.near, self.far))
+                rate, bound = _extrapolated(near, far)
+                bound += (64.0 * EPS / self.near.step + self._unknown) / still
+                moving.append((float(orbit.points[0]), Estimate(rate, bound)))
         return tuple(moving)
 
     @one_thread
@@ -178,9 +165,7 @@ class Response:
         Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of
         ``mean_passage_time``.
         """
-        ends = arc_ends(arc, "arc", whole=lifted)
-        inside = required_inside(start, ends)
-        exits = outside_of(ends, lifted)
+        inside, ends, exits = begun(start, arc, lifted)
         make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), exits, lifted)
         rates = []
         for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):
@@ -191,28 +176,30 @@ class Response:
             growth = time.growth(images, chain)
             source = push(theta) * growth
             # Elimination keeps all digits of what is not negative.
-            parts = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
-            onward = chain.transitions(images[-1:])[0] @ chain.elimination.solve(parts[:-1])
-            up, down, most = (parts[-1] + onward).tolist()
+            positive = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
+            onward = chain.transitions(images[-1:])[0] @ chain.elimination.solve(positive[:-1])
+            up, down, most = (positive[-1] + onward).tolist()
             rates.append(up - down)
         near, far, again = rates
-        bound = abs(near - far) + 4.0 * abs(near - again) + most * self._unknown
+        rate, bound = _extrapolated(near, far)
+        bound += 4.0 * abs(near - again) + most * self._unknown
         bound += 1e3 * EPS * (1.0 / self.near.step + abs(near))
-        return Estimate((4.0 * near - far) / 3.0, bound)
+        return Estimate(rate, bound)
 
     @property
     def _unknown(self) -> float:
         """What ∂F/∂p, extrapolated, may be off by the maps' ``max_error``."""
         return (4.0 * self.near.error + self.far.error) / 3.0
 
-    def _estimated(
-        self, moments: Callable[[FourierDiscretisation], Array], direct: float
-    ) -> Estimate:
-        value, changed = self._moved(FourierLaw(self.basis), moments(self.basis), direct)
-        fine = self.basis.refined()
-        again, _ = self._moved(FourierLaw(fine), moments(fine), direct)
-        rounding = 64.0 * EPS * (1.0 + abs(float(value))) / self.near.step
-        return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)
+    def _estimated(self, function: Callable[[Array], Array], direct: float) -> Estimate:
+        moved = []
+        for basis in (self.basis, self.basis.refined()):
+            theta, weight = basis.rule
+            moments = basis.integrals(theta, weight * checked_values(function, theta))
+            moved.append([float(each) for each in self._moved(FourierLaw(basis), moments, direct)])
+        (value, changed), (again, _) = moved
+        rounding = 64.0 * EPS * (1.0 + abs(value)) / self.near.step
+        return Estimate(value, changed + 4.0 * abs(value - again) + rounding)
 
     def _moved(self, law: FourierLaw, moments: Array, direct: float = 0.0) -> tuple[Array, Array]:
         """d/dp E h for h of integrals ``moments`` (columns of several), and what the larger step
@@ -234,5 +221,12 @@ class Response:
             moved = across @ (rates * (basis.evaluate(jumps) @ law.coefficients))
             near = near + moved
             far = far + moved
-        unknown = self._unknown * np.sum(np.abs(slopes), axis=-1)
-        return (4.0 * near - far) / 3.0, np.abs(near - far) + unknown
+        rate, bound = _extrapolated(near, far)
+        return rate, bound + self._unknown * np.sum(np.abs(slopes), axis=-1)
+
+
+def _extrapolated(near: Rate, far: Rate) -> tuple[Rate, Rate]:
+    """From centred differences over a step and over two: to no step, and what the larger one
+    changes.
+    """
+    return (4.0 * near - far) / 3.0, abs(near - far)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,10 +19,11 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.families.family import ParametricLift, each_done, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecreasing
-from cyclemap.maps.orbits.rotation_number import rotation_number, window
+from cyclemap.maps.orbits.envelopes import is_nondecreasing
+from cyclemap.maps.orbits.rotation_number import rotation_number
 from cyclemap.progress import Progress
 
+_WORKERS = os.cpu_count() or 1
 _CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enough for the caches
 # After so many cycles: the longest period tried for locking, and how far beside the orbit, radians
 # over the period.
@@ -30,7 +31,6 @@ _TRIALS = (
     *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
 )
-_ENDS = 0.2  # of the tolerance: what the ends of a folded map's interval are sought to
 _SIDES = np.array([[-1.0], [1.0]])
 _ONE_MORE = np.array([[0.0], [1.0]])
 # After so many cycles the finished maps are taken out, then at equal distances.
@@ -123,31 +123,32 @@ def rotation_numbers(
         raise InvalidInput(
             f"family is {family!r}: give a ParametricLift; rotation_plane takes any callable"
         )
-    wanted = positive_number("tolerance", tolerance)
-    if wanted > 0.1:
-        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    workers = (
-        (os.cpu_count() or 1) if threads is None else whole_number("threads", threads, least=1)
-    )
+    wanted = _wanted(tolerance)
+    workers = _WORKERS if threads is None else whole_number("threads", threads, least=1)
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
-    lower, upper = _bounds(formula, flat, wanted, workers)
-    return RotationNumbers(*_in_shape(_judged(lower, upper, wanted), shape), wanted)
+    flat = np.array([np.broadcast_to(array, shape).ravel() for array in arrays])
+    bounds = _bounds(formula, flat, wanted, workers)
+    return RotationNumbers(*_in_shape(_judged(bounds, wanted), shape), wanted)
 
 
-def _judged(lower: Array, upper: Array, tolerance: float, mean: Array | None = None) -> Array:
+def _wanted(tolerance: float) -> float:
+    wanted = positive_number("tolerance", tolerance)
+    if wanted > 0.1:
+        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
+    return wanted
+
+
+def _judged(bounds: Array, tolerance: float) -> Array:
     """Rows of value, lower, upper, period and winding: these where both bounds are the same
-    fraction, else 0; the value is the ``mean`` where that lies between the bounds.
+    fraction, else 0.
     """
+    lower, upper = bounds
     same = np.where(lower == upper, upper, -np.inf)
     period = _simplest_periods(lower, same, int(np.floor(1.0 / tolerance)) + 2)
-    value = 0.5 * (lower + upper)
-    if mean is not None:
-        value = np.where((lower <= mean) & (mean <= upper), mean, value)
-    value = np.where(period > 0, lower, value)
+    value = np.where(period > 0, lower, 0.5 * (lower + upper))
     winding = np.where(period > 0, np.round(lower * period), 0.0)
     # Bounds p/n as floats, moved outward by the rounding of that division.
     low = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
@@ -163,48 +164,40 @@ def _in_shape(table: Array, shape: tuple[int, ...]) -> tuple[Array, Array, Array
     return value, lower, upper, whole[0], whole[1]
 
 
-def _bounds(
-    family: ParametricLift | _Envelopes, parameters: list[Array], tolerance: float, workers: int
-) -> tuple[Array, Array]:
-    """The best p/n below and above each rotation number, once they are near enough or after
+def _bounds(family: ParametricLift, parameters: Array, tolerance: float, workers: int) -> Array:
+    """(2, m): the best p/n below and above each rotation number, once they are near enough or after
     1/tolerance cycles.
     """
-    size = parameters[0].size
-    lower = np.full(size, -np.inf)
-    upper = np.full(size, np.inf)
-
+    size = parameters.shape[1]
+    bounds = np.empty((2, size))
     # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
     most = int(np.floor(1.0 / tolerance)) + 2
-    looks = [
-        *(look for look in _LOOKS if look < most),
-        *range(2 * _LOOKS[-1], most, _LOOKS[-1]),
-        most,
-    ]
-    width = (
-        2.0 * tolerance * (1.0 - 1e-9)
-    )  # a little less, so that rounding outward keeps to the tolerance
+    looks = [look for look in _LOOKS if look < most]
+    looks += [*range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
+    # A little less, so that rounding outward keeps to the tolerance.
+    width = 2.0 * tolerance * (1.0 - 1e-9)
 
     def advance(at: int) -> None:
         """Go on through the looks with one chunk of the maps,
         writing the bounds to their places."""
-        orbits = _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
+        orbits = _begun(family, parameters[:, at : at + _CHUNK], at)
         for look in looks:
             orbits.run_to(look)
             for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
                 orbits.try_locking(width, longest, beside)
-            lower[orbits.place] = orbits.lower
-            upper[orbits.place] = orbits.upper
-            orbits = orbits.those(orbits.upper - orbits.lower > width)
+            for everywhere, here in zip(bounds, orbits.bounds, strict=True):
+                everywhere[orbits.place] = here
+            orbits = orbits.those(np.diff(orbits.bounds, axis=0)[0] > width)
             if orbits.place.size == 0:
                 break
 
     with ThreadPoolExecutor(workers) as pool:
         list(pool.map(advance, range(0, size, _CHUNK)))
-    if np.any(lower > upper):
+    if np.any(bounds[0] > bounds[1]):
         raise ConvergenceError(
             "bounds contradict each other: the lift is computed worse than its max_error says"
         )
-    return lower, upper
+    return bounds
 
 
 @dataclass
@@ -212,41 +205,33 @@ class _Orbits:
     """Maps still at work, m of them: the orbit of F - e (row 0) and of F + e (row 1), and their
     bounds so far.
 
-    parameters, lower, upper, place (index among all maps) : shape (m,); push (∓e), theta (in [-π,
-        π], where sines are quickest, -π at the start) and turns (whole turns so far, one more in
-        row 1) : shape (2, m).
+    parameters : shape (k, m); place (m,) : index among all maps.
+    push (∓e), theta (in [-π, π], where sines are quickest, -π at the start), turns (whole turns so
+        far, one more in row 1), bounds : shape (2, m).
     cycles : iterates done.
     """
 
-    family: ParametricLift | _Envelopes
-    parameters: list[Array]
+    family: ParametricLift
+    parameters: Array
+    place: Whole
     push: Array
     theta: Array
     turns: Array
-    lower: Array
-    upper: Array
-    place: Whole
+    bounds: Array
     cycles: int = 0
 
     def those(self, which: Mask) -> _Orbits:
         """Copies of the maps where ``which`` is true."""
         index = np.flatnonzero(which)
-        parameters = [values.take(index) for values in self.parameters]
-        push, theta, turns = (
-            pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns)
-        )
-        lower = self.lower.take(index)
-        upper = self.upper.take(index)
-        place = self.place.take(index)
-        return _Orbits(
-            self.family, parameters, push, theta, turns, lower, upper, place, self.cycles
-        )
+        names = "parameters", "place", "push", "theta", "turns", "bounds"
+        return replace(self, **{name: getattr(self, name).take(index, axis=-1) for name in names})
 
     def run_to(self, count: int, start: Array | None = None) -> None:
         """Go on to the iterate of that number; ``start`` : where the orbits began, (2, m) in [-π,
         π], None for -π.
         """
         laps = np.empty_like(self.theta)
+        lower, upper = self.bounds
         while self.cycles < count:
             self.cycles += 1
             np.add(self.family.lift(self.theta, *self.parameters), self.push, out=self.theta)
@@ -257,15 +242,16 @@ class _Orbits:
             self.theta -= laps
             whole = self.turns if start is None else self.turns - (self.theta < start)
             np.divide(whole, self.cycles, out=laps)
-            np.maximum(self.lower, laps[0], out=self.lower)
-            np.minimum(self.upper, laps[1], out=self.upper)
+            np.maximum(lower, laps[0], out=lower)
+            np.minimum(upper, laps[1], out=upper)
 
     def try_locking(self, width: float, longest: int, beside: float) -> None:
         """For maps with some p/q, q ≤ ``longest``, in too wide bounds: orbits that start beside the
         present angles.
         """
-        period = _simplest_periods(self.lower, self.upper, longest)
-        open_still = (self.upper - self.lower > width) & (period > 0)
+        lower, upper = self.bounds
+        period = _simplest_periods(lower, upper, longest)
+        open_still = (upper - lower > width) & (period > 0)
         trial = self.those(open_still)
         start = trial.theta + beside / period[open_still] * _SIDES
         start -= TWO_PI * np.rint(start / TWO_PI)
@@ -273,15 +259,14 @@ class _Orbits:
         trial.turns = _ONE_MORE + np.zeros_like(start)
         trial.cycles = 0
         trial.run_to(longest, start)
-        self.lower[open_still] = trial.lower
-        self.upper[open_still] = trial.upper
+        self.bounds[:, open_still] = trial.bounds
 
 
-def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: int) -> _Orbits:
+def _begun(family: ParametricLift, parameters: Array, first: int) -> _Orbits:
     """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing
     lifts.
     """
-    size = parameters[0].size
+    size = parameters.shape[1]
     ends = np.asarray(family.lift(np.array([[0.0], [TWO_PI]]), *parameters), dtype=np.float64)
     if ends.shape != (2, size):
         raise InvalidInput(
@@ -290,19 +275,23 @@ def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: 
     gap = np.abs(ends[1] - ends[0] - TWO_PI)
     bad = ~(gap <= 1e-8 * (1.0 + np.abs(ends[0]))) | ~family.rises(*parameters)
     if np.any(bad):
-        given = ", ".join(f"{values[np.argmax(bad)]:.9g}" for values in parameters)
+        given = ", ".join(f"{value:.9g}" for value in parameters[:, np.argmax(bad)])
         raise InvalidInput(
             f"at parameters ({given}) the map is no nondecreasing lift of degree 1: a folded one "
             "has an interval of rotation numbers; ask rotation_interval(family(...)), or "
             "rotation_plane for many"
         )
     push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
-    theta = np.full((2, size), -np.pi)
-    turns = _ONE_MORE + np.zeros((2, size))
-    low = np.full(size, -np.inf)
-    high = np.full(size, np.inf)
-    place = np.arange(first, first + size)
-    return _Orbits(family, parameters, push, theta, turns, low, high, place)
+    nothing = np.zeros((2, size))
+    return _Orbits(
+        family,
+        parameters,
+        place=np.arange(first, first + size),
+        push=push,
+        theta=nothing - np.pi,
+        turns=nothing + _ONE_MORE,
+        bounds=nothing + _SIDES * np.inf,
+    )
 
 
 def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
@@ -364,84 +353,6 @@ class RotationPlane:
     tolerance: float
 
 
-Plateaus = tuple[Array, Array, Array, float]  # starts, ends, levels, and what they may be off
-
-
-@dataclass(frozen=True, eq=False)
-class _Envelopes:
-    """Upper or lower envelopes of many folded members of a family: ``lift`` as of a
-    ``ParametricLift``.
-
-    Its last parameter is the number of the member, whose plateaus are a row of ``start``, ``end``,
-    ``level`` (m, most).
-    """
-
-    family: ParametricLift
-    start: Array
-    end: Array
-    level: Array
-    max_error: float
-
-    def lift(self, theta: Array, *parameters: Array) -> Array:
-        """The envelopes at ``theta``, which broadcasts with the parameters."""
-        row = parameters[-1].astype(np.int64)
-        first = self.start[row, 0]
-        turns = np.floor((theta - first) / TWO_PI)
-        base = theta - TWO_PI * turns
-        image = self.family.lift(theta.copy(), *parameters[:-1])
-        for start, end, level in zip(self.start.T, self.end.T, self.level.T, strict=True):
-            flat = (base >= start[row]) & (base < end[row])
-            image = np.where(flat, level[row] + TWO_PI * turns, image)
-        return image
-
-    def rises(self, *parameters: Array) -> Mask:
-        """Everywhere, as envelopes do."""
-        return np.ones(parameters[0].shape, dtype=bool)
-
-
-def _envelopes(family: ParametricLift, plateaus: list[Plateaus]) -> _Envelopes:
-    """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty
-    ones.
-    """
-    tables = np.zeros((3, len(plateaus), max(1, *(columns[0].size for columns in plateaus))))
-    for row, (start, end, level, _) in enumerate(plateaus):
-        if start.size == 0:
-            continue
-        turns = np.floor(start / TWO_PI)
-        order = np.argsort(start - TWO_PI * turns)
-        columns = np.stack([start, end, level]) - TWO_PI * turns
-        tables[:, row] = columns[:, order[:1]]
-        tables[1, row, start.size :] = tables[0, row, start.size :]
-        tables[:, row, : start.size] = columns[:, order]
-    inexact = max(columns[3] for columns in plateaus)
-    start, end, level = tables
-    return _Envelopes(family, start, end, level, inexact + SLACK)
-
-
-def _folded_numbers(
-    family: ParametricLift,
-    plateaus: list[list[Plateaus]],
-    parameters: list[Array],
-    tolerance: float,
-) -> Array:
-    """Rows as of ``_judged`` of folded members, all together: the ends are those of the
-    envelopes.
-    """
-    numbered = [*parameters, np.arange(float(len(plateaus)))]
-    workers = os.cpu_count() or 1
-    low, high = (_envelopes(family, list(columns)) for columns in zip(*plateaus, strict=True))
-    # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
-    narrow = _ENDS * tolerance
-    lower = _bounds(low, numbered, narrow, workers)[0]
-    upper = _bounds(high, numbered, narrow, workers)[1]
-    theta, mean = np.zeros((2, len(plateaus)))
-    for weight in window(max(16, int(np.ceil(1.0 / tolerance)))).tolist():
-        image = family.lift(theta.copy(), *parameters)
-        mean += weight * (image - theta) / TWO_PI
-        theta = image - TWO_PI * np.floor(image / TWO_PI)
-    return _judged(lower, upper, tolerance, mean)
-
-
 def rotation_plane(
     family: Callable[..., CircleMap],
     first_values: ArrayLike,
@@ -456,9 +367,9 @@ def rotation_plane(
     ----------
     family : callable
         Any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``,
-        ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once: a folded one
-        takes some milliseconds, in which its folds are found, others far less
-        (``rotation_numbers``). All else goes map by map (``rotation_number``).
+        ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once where they do
+        not fold (``rotation_numbers``). All else goes map by map (``rotation_number``), some
+        milliseconds each.
     first_values : array_like, shape (m,)
         Strictly increasing or decreasing.
     second_values : array_like, shape (n,)
@@ -500,67 +411,40 @@ def rotation_plane(
         )
     first = _axis("first_values", first_values)
     second = _axis("second_values", second_values)
-    wanted = positive_number("tolerance", tolerance)
-    if wanted > 0.1:
-        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    rows = np.repeat(first, second.size)
-    columns = np.tile(second, first.size)
-    table = np.empty((5, rows.size))
-    folded = np.zeros(rows.size, dtype=bool)
-    singly = np.ones(rows.size, dtype=bool)
+    wanted = _wanted(tolerance)
+    places = np.array([np.repeat(first, second.size), np.tile(second, first.size)])
+    table = np.zeros((6, places.shape[1]))
+    singly = np.ones(places.shape[1], dtype=bool)
     formula = parametric_form(family)
     if formula is not None:
-        singly = ~formula.rises(rows, columns)
-        many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
-        table[:, ~singly] = many.value, many.lower, many.upper, many.period, many.winding
-    pairs = list(zip(rows[singly].tolist(), columns[singly].tolist(), strict=True))
-    work = partial(_cell, family, wanted, formula is not None)
-    cells = list(each_done(work, pairs, executor, progress, 16))
-    folded[singly] = [cell.folds for cell in cells]
-    for place, cell in zip(np.flatnonzero(singly).tolist(), cells, strict=True):
-        if cell.row:
-            table[:, place] = cell.row
-    plateaus = [cell.plateaus for cell in cells if cell.plateaus]
-    if formula is not None and plateaus:
-        several = _folded_numbers(formula, plateaus, [rows[folded], columns[folded]], wanted)
-        table[:, folded] = several
+        singly = ~formula.rises(*places)
+        bounds = _bounds(formula, places[:, ~singly], wanted, _WORKERS)
+        table[:5, ~singly] = _judged(bounds, wanted)
+    work = partial(_cell, family, wanted)
+    cells = list(each_done(work, places[:, singly].T.tolist(), executor, progress, 16))
+    table[:, singly] = np.reshape(cells, (-1, 6)).T
     shape = (first.size, second.size)
-    folded = folded.reshape(shape)
+    folded = table[5].reshape(shape) > 0.0
     folded.setflags(write=False)
-    numbers = _in_shape(table, shape)
+    numbers = _in_shape(table[:5], shape)
     return RotationPlane(read_only(first), read_only(second), *numbers, folded, wanted)
 
 
-@dataclass(frozen=True, eq=False)
-class _Cell:
-    """One map of a plane: whether it folds, and its row as of ``_judged``, or the plateaus of its
-    envelopes.
-    """
-
-    folds: bool
-    row: tuple[float, ...] = ()
-    plateaus: list[Plateaus] = field(default_factory=list)
-
-
 def _cell(
-    family: Callable[..., CircleMap], tolerance: float, together: bool, pair: tuple[float, float]
-) -> _Cell:
-    """What is found of one map by itself; of a folded one whose number is found ``together`` with
-    others', its plateaus.
-    """
-    member = family(*pair)
+    family: Callable[..., CircleMap], tolerance: float, place: list[float]
+) -> tuple[float, ...]:
+    """Value, lower, upper, period and winding of one map, and whether it folds."""
+    member = family(*place)
     if not isinstance(member, CircleMap) or member.degree != 1:
         raise InvalidInput(
-            f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1"
+            f"the family gives {member!r} at {tuple(place)}: it must be a CircleMap of degree 1"
         )
-    folds = not is_nondecreasing(member)
-    if folds and together:
-        return _Cell(folds, plateaus=[envelope_plateaus(member, side) for side in (-1.0, 1.0)])
     iterates = max(16, int(np.ceil(1.0 / tolerance)))
     known = rotation_number(member, iterates=iterates, tolerance=tolerance)
     locked = known.locked
-    fraction = (0.0, 0.0) if locked is None else (locked.denominator, locked.numerator)
-    return _Cell(folds, (known.value, known.lower, known.upper, *fraction))
+    period, winding = (0, 0) if locked is None else (locked.denominator, locked.numerator)
+    folds = not is_nondecreasing(member)
+    return known.value, known.lower, known.upper, period, winding, folds
 
 
 def _axis(name: str, values: ArrayLike) -> Array:

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, product
 from math import gcd
 
 import numpy as np
@@ -40,6 +40,7 @@ _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begi
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
 _AT_BREAK = 1e-6  # radians: an extremum is known to about the root of rounding
+RESOLUTION = 128
 _SEARCHES = 4  # times that an edge is sought, a hump that was missed before among the marks
 _QUARTERS = np.linspace(0.0, 1.0, 5)
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -78,15 +79,16 @@ def extreme_displacement(
     if highest < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
-        values = (
-            sign
-            * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
-        )
-        best = int(np.argmax(np.append(values, highest)))
-        if best < theta.size:
-            highest = float(values[best])
-            at = float(theta[best])
+        values = np.append(highest, _height(circle_map, theta, ratio, sign))
+        best = int(np.argmax(values))
+        highest = float(values[best])
+        at = float(np.append(at, theta)[best])
     return sign * highest, at
+
+
+def _height(circle_map: CircleMap, theta: Array, ratio: Fraction, sign: float) -> Array:
+    """``sign``·(F^q - id - 2πp) at ``theta``."""
+    return sign * displacement(circle_map, theta, ratio.denominator, np.array(ratio.numerator))[0]
 
 
 def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
@@ -134,7 +136,7 @@ class _Trial:
 
     member: CircleMap
     monotone: CircleMap
-    found: Extremum
+    extremum: Extremum
     lift: Array
 
 
@@ -154,6 +156,32 @@ class EdgeSearch:
     marks: list[float] = field(default_factory=list)
     tried: dict[float, _Trial] = field(default_factory=dict)
 
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.side == "left" else -1.0
+
+    def trial(self, p: float) -> _Trial:
+        """What is known at a parameter; InvalidInput where the family falls beside it."""
+        if p in self.tried:
+            return self.tried[p]
+        member = family_member(self.family, p)
+        require_degree_one(member, "a tongue")
+        monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
+        extremum = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
+        self.tried[p] = _Trial(member, monotone, extremum, member(_PROBES))
+        order = sorted(self.tried)
+        for low, high in pairwise(order[max(order.index(p) - 1, 0) : order.index(p) + 2]):
+            first = self.tried[low]
+            second = self.tried[high]
+            fall = float(np.max(first.lift - second.lift))
+            if fall > 1e-12 + first.member.max_error + second.member.max_error:
+                raise InvalidInput(
+                    f"the family falls with its parameter: F drops by {fall:.3g} radians from "
+                    f"{low:.9g} to {high:.9g}; tongue edges need a family that nowhere "
+                    "decreases (try the negative parameter)"
+                )
+        return self.tried[p]
+
     def value(self, p: float) -> float:
         """M(p), of the monotone envelope where F folds, over what moving every lift by one radian
         would add to it.
@@ -161,34 +189,32 @@ class EdgeSearch:
         So scaled, M has the same slope on both sides of zero, whichever point of the orbit is
         extreme there; far from zero the plain M/q is straighter.
         """
-        if p not in self.tried:
-            member = family_member(self.family, p)
-            require_degree_one(member, "a tongue")
-            monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
-            found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
-            self.tried[p] = _Trial(member, monotone, found, member(_PROBES))
-            order = sorted(self.tried)
-            for low, high in pairwise(order[max(order.index(p) - 1, 0) : order.index(p) + 2]):
-                first = self.tried[low]
-                second = self.tried[high]
-                fall = float(np.max(first.lift - second.lift))
-                if fall > 1e-12 + first.member.max_error + second.member.max_error:
-                    raise InvalidInput(
-                        f"the family falls with its parameter: F drops by {fall:.3g} radians from "
-                        f"{low:.9g} to {high:.9g}; tongue edges need a family that nowhere "
-                        "decreases (try the negative parameter)"
-                    )
-        trial = self.tried[p]
-        extremum = trial.found[0]
-        far = abs(trial.found[0]) > _FAR
-        return extremum / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
+        trial = self.trial(p)
+        height = trial.extremum[0]
+        far = abs(height) > _FAR
+        return height / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
 
-    @property
-    def _sign(self) -> float:
-        return 1.0 if self.side == "left" else -1.0
+    def edge(self) -> tuple[Estimate, Array, str, bool]:
+        """The edge, its orbit, why it is one, whether the map folds there."""
+        for _ in range(_SEARCHES):
+            below, above = self._bracketed()
+            parameter, beyond = (above, below) if self.side == "left" else (below, above)
+            trial = self.tried[parameter]
+            outside = self.tried[beyond].monotone
+            unseen, where = unseen_height(outside, self.ratio, self._sign)
+            missed = _height(outside, np.array(where), self.ratio, self._sign)
+            if unseen == 0.0 or missed <= 0.0:
+                break
+            self.marks.append(where)
+            self.tried.clear()
+        error = above - below + self._off(trial, parameter, unseen) + 2.0 * EPS * abs(parameter)
+        folds = trial.monotone is not trial.member
+        return Estimate(parameter, error), *self._touching(trial), folds
 
-    def require_inside(self) -> None:
-        """Raise InvalidInput unless the edge lies within the parameters."""
+    def _bracketed(self) -> tuple[float, float]:
+        """Neighbouring floats, M below 0 at the lower one, and not at the upper one."""
+        from scipy.optimize import brentq  # slow to import
+
         low, high = self.within
         for end, beyond, where in (
             (low, self.value(low) >= 0.0, "below"),
@@ -199,39 +225,18 @@ class EdgeSearch:
                     f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, "
                     f"outside the parameters ({low:.9g}, {high:.9g}): widen them"
                 )
+        # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
+        close = 2.0 * EPS * max(abs(low), abs(high))
+        brentq(lambda p: self.value(p) or 1e-300, low, high, xtol=close, rtol=_CLOSE)
+        return (
+            max(p for p in self.tried if self.value(p) < 0.0),
+            min(p for p in self.tried if self.value(p) >= 0.0),
+        )
 
-    def edge(self, low: float, high: float) -> tuple[Estimate, Array, str, bool]:
-        """The edge inside [low, high], its orbit, why it is one, whether the map folds; the ends
-        lie on its sides.
+    def _off(self, trial: _Trial, parameter: float, unseen: float) -> float:
+        """How far the lift's rounding and what is unseen can move the edge, to first order along
+        its orbit.
         """
-        from scipy.optimize import brentq  # slow to import
-
-        for _ in range(_SEARCHES):
-            # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
-            brentq(
-                lambda p: self.value(p) or 1e-300,
-                low,
-                high,
-                xtol=2.0 * EPS * max(abs(low), abs(high)),
-                rtol=_CLOSE,
-            )
-            below = max(p for p in self.tried if self.value(p) < 0.0)
-            above = min(p for p in self.tried if self.value(p) >= 0.0)
-            parameter, beyond = (above, below) if self.side == "left" else (below, above)
-            trial = self.tried[parameter]
-            outside = self.tried[beyond].monotone
-            unseen, where = unseen_height(outside, self.ratio, self._sign)
-            q = self.ratio.denominator
-            p = np.asarray(self.ratio.numerator)
-            missed = displacement(outside, np.array(where), q, p)[0]
-            if unseen == 0.0 or self._sign * missed <= 0.0:
-                break
-            self.marks.append(where)
-            self.tried.clear()
-            self.require_inside()
-            low, high = self.within
-        # How far the lift's rounding and what is unseen can move the edge, to first order along its
-        # orbit.
         tangent = parameter_tangent(self.family, parameter, 1e-6, self.within)
         disturbed = self._gained(trial, np.ones_like)
         moved = self._gained(trial, tangent)
@@ -241,41 +246,29 @@ class EdgeSearch:
                 f"{parameter:.9g}"
             )
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
-        error = (
-            above - below + (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(parameter)
-        )
-        return (
-            Estimate(parameter, error),
-            *self._touching(trial),
-            trial.monotone is not trial.member,
-        )
+        return (LIFT * angle * disturbed + unseen) / moved
 
     def _touching(self, trial: _Trial) -> tuple[Array, str]:
         """The orbit at which the extremum is 0, by the limits of the side it is taken from; what
         meets there.
         """
         lift = trial.monotone.right if self._sign > 0.0 else trial.monotone.left
-        points = [trial.found[1] % TWO_PI]
-        for _ in range(self.ratio.denominator - 1):
-            points.append(float(lift(points[-1])) % TWO_PI)
-        meets = float(np.min(distance_to_break(trial.member.breaks, np.array(points)))) < _AT_BREAK
-        return np.array(points), "border-collision" if meets else "saddle-node"
+        points = np.full(self.ratio.denominator, trial.extremum[1] % TWO_PI)
+        for i in range(1, points.size):
+            points[i] = np.mod(lift(points[i - 1]), TWO_PI)
+        meets = float(np.min(distance_to_break(trial.member.breaks, points))) < _AT_BREAK
+        return points, "border-collision" if meets else "saddle-node"
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to
         first order.
         """
-        image = np.array(trial.found[1])
+        image = np.array(trial.extremum[1])
         gained = 0.0
         for _ in range(self.ratio.denominator):
             gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
-            image = trial.monotone(image)
-            image = image - TWO_PI * np.rint(image / TWO_PI)
+            image = np.mod(trial.monotone(image), TWO_PI)
         return gained
-
-
-RESOLUTION = 128
-_WIDENING = 8.0  # by how much a bracket that misses the edge grows
 
 
 @dataclass(frozen=True)
@@ -421,12 +414,9 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     """
     wanted = rotation_ratio(ratio)
     within = parameter_range("parameters", parameters)
-    edges = []
-    for side in ("left", "right"):
-        search = EdgeSearch(family, wanted, side, within)
-        search.require_inside()
-        edges.append(search.edge(*within))
-    (left, left_orbit, left_kind, left_folds), (right, right_orbit, right_kind, right_folds) = edges
+    (left, left_orbit, left_kind, left_folds), (right, right_orbit, right_kind, right_folds) = (
+        EdgeSearch(family, wanted, side, within).edge() for side in ("left", "right")
+    )
     orbits = read_only(left_orbit), read_only(right_orbit)
     return Tongue(wanted, left, right, *orbits, left_kind, right_kind, left_folds or right_folds)
 
@@ -465,14 +455,13 @@ def tongues(
     ratios : sequence of Fraction, int or tuple[int, int]
         Turns a cycle, as of ``tongue``.
     second : array_like, shape (m,)
-        Values of the second parameter, in the order in which it is followed: each edge is
-        sought near the line through the last two.
+        Values of the second parameter.
     parameters : tuple[float, float]
         (low, high) of the first parameter, with every edge inside.
     progress : callable or None, optional
         Called with the fraction done.
     executor : Executor or None, optional
-        As of ``rotation_plane``; edge by edge.
+        As of ``rotation_plane``; tongue by tongue.
 
     Returns
     -------
@@ -499,46 +488,24 @@ def tongues(
     """
     wanted = tuple(rotation_ratio(ratio) for ratio in ratios)
     values = finite_array("second", second, ndim=1)
-    low, high = parameter_range("parameters", parameters)
+    within = parameter_range("parameters", parameters)
     if not wanted or values.size == 0:
         raise InvalidInput(
             f"{len(wanted)} ratios and {values.size} values of the second parameter: give some "
             "of each"
         )
-    work = partial(_edge_along, family, values.tolist(), (low, high))
-    edges = [(ratio, side) for side in ("left", "right") for ratio in wanted]
-    found = np.array(list(each_done(work, edges, executor, progress)))
-    (left, left_error, left_folds), (right, right_error, right_folds) = found.reshape(
-        2, len(wanted), values.size, 3
-    ).transpose(0, 3, 1, 2)
-    left, left_error, right, right_error = map(read_only, (left, left_error, right, right_error))
-    folded = left_folds + right_folds > 0.0
+    places = list(product(wanted, values.tolist()))
+    found = list(each_done(partial(_tongue_at, family, within), places, executor, progress))
+    edges = [edge for locked in found for edge in (locked.left, locked.right)]
+    errors = [edge.error_bound for edge in edges]
+    left, right, left_error, right_error = (
+        read_only(column.reshape(len(wanted), values.size))
+        for column in (*np.reshape(edges, (-1, 2)).T, *np.reshape(errors, (-1, 2)).T)
+    )
+    folded = np.reshape([locked.folded for locked in found], left.shape)
     return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
 
 
-def _edge_along(
-    family: Family, values: list[float], within: Range, edge: tuple[Fraction, str]
-) -> Array:
-    """(m, 3): one edge over the second parameter, its error, and whether the map folds there."""
-    low, high = within
-    found = np.empty((len(values), 3))
-    for j, value in enumerate(values):
-        search = EdgeSearch(lambda first, value=value: family(first, value), *edge, within)
-        search.require_inside()
-        first = low
-        last = high
-        if j > 1:  # round the line through the edges before it, widened until it holds the edge
-            change = found[j - 1, 0] - found[j - 2, 0]
-            guess = found[j - 1, 0] + change
-            reach = 0.1 * abs(change) + 1e-9 * (high - low)
-            first = max(low, guess - reach)
-            last = min(high, guess + reach)
-            while (first, last) != within and not (
-                first < last and search.value(first) < 0.0 <= search.value(last)
-            ):
-                reach *= _WIDENING
-                first = max(low, guess - reach)
-                last = min(high, guess + reach)
-        parameter, _, _, folded = search.edge(first, last)
-        found[j] = parameter, parameter.error_bound, folded
-    return found
+def _tongue_at(family: Family, within: Range, place: tuple[Fraction, float]) -> Tongue:
+    ratio, value = place
+    return tongue(lambda first: family(first, value), ratio, within)

@@ -62,7 +62,6 @@ class MonotoneTable:
         return np.asarray(np.clip(cell, 0, self.theta.size - 2))
 
 
-RESOLUTION = 512
 TOUCH = 1e-12  # radians: a fold this near a level touches it
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
 _FLAT = (
@@ -176,20 +175,8 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     >>> [(round(branch.start, 6), round(branch.end, 6), branch.direction) for branch in cut]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
-    cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
-    # F at the start and at the end of each cell, its own limit where a break lies there.
-    first = cells.g_start.copy()
-    last = cells.g_end.copy()
-    after = cells.cut
-    before = np.roll(cells.cut, -1)
-    if np.any(after):
-        start = cells.start[after]
-        end = cells.end[before]
-        own = circle_map(start)
-        right = circle_map.right(start)
-        first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
-        # The limit from below is read SIDE_STEP before the break: go on along the slope there.
-        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
+    cells = monotone_cells(circle_map, 1, 0.0)
+    first, last = cell_limits(circle_map, cells)
     following = np.append(first[1:], first[0] + cells.climb)
     smooth_after = np.abs(following - last) <= JUMP
     last[smooth_after] = following[smooth_after]
@@ -206,9 +193,27 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
         value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
         rising = np.maximum.accumulate(sign * value)
         table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
-        ends = [float(part[i]) for part in (theta, value) for i in (0, -1)]
+        ends = [float(column[i]) for column in (theta, value) for i in (0, -1)]
         made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
     return tuple(made)
+
+
+def cell_limits(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array]:
+    """F at the start and at the end of each of its cells, its own limit where a break lies
+    there.
+    """
+    first = cells.g_start.copy()
+    last = cells.g_end.copy()
+    before = np.roll(cells.cut, -1)
+    if np.any(cells.cut):
+        start = cells.start[cells.cut]
+        end = cells.end[before]
+        own = circle_map(start)
+        right = circle_map.right(start)
+        first[cells.cut] = np.where(np.abs(own - right) <= JUMP, own, right)
+        # The limit from below is read SIDE_STEP before the break: go on along the slope there.
+        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
+    return first, last
 
 
 def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
@@ -261,13 +266,13 @@ def preimages(circle_map: CircleMap, angle: float) -> Array:
     [0.5, 3.641593]
     """
     wanted = finite_number("angle", angle)
-    found, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
+    roots, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
     if flat.size:
         raise InvalidInput(
             f"F is {wanted:.9g} (mod 2π) all along [{flat[0]:.9g}, {flat[1]:.9g}]: the preimages "
             "cannot be listed; branches gives the plateau"
         )
-    return found
+    return roots
 
 
 def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple[Array, Array]:
@@ -276,17 +281,17 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     """
     roots = [np.zeros(0)]
     plateaus = [np.zeros(0)]
-    for i, part in enumerate(parts):
+    for i, branch in enumerate(parts):
         low, high, touches = _levels(parts, i, angles, degree)
-        if part.direction == 0:
+        if branch.direction == 0:
             if np.any(touches):
-                plateaus.append(np.array([part.start, part.end]))
+                plateaus.append(np.array([branch.start, branch.end]))
             continue
         count = np.maximum(high - low + 1, 0)
         owner = np.repeat(np.arange(angles.size), count)
         whole = low[owner] + ranks(count)
         # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
-        roots.append(part.table.inverse(angles[owner] + TWO_PI * whole))
+        roots.append(branch.table.inverse(angles[owner] + TWO_PI * whole))
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
 
 
@@ -299,22 +304,22 @@ def _levels(
     Where two branches meet without a jump, both count from the same rounding, so nothing is lost or
     doubled.
     """
-    part = parts[i]
+    branch = parts[i]
     lap = (i + 1) // len(parts)
     before = parts[i - 1]
     after = parts[(i + 1) % len(parts)]
     above_start, below_start, touches = _rounded(
-        part.start_value, angles, before.direction != part.direction
+        branch.start_value, angles, before.direction != branch.direction
     )
-    if abs(part.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
+    if abs(branch.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
         above_end, below_end, _ = _rounded(
-            after.start_value, angles, part.direction != after.direction
+            after.start_value, angles, branch.direction != after.direction
         )
         above_end = above_end + degree * lap
         below_end = below_end + degree * lap
     else:
-        above_end, below_end, _ = _rounded(part.end_value, angles, False)
-    if part.direction < 0:
+        above_end, below_end, _ = _rounded(branch.end_value, angles, False)
+    if branch.direction < 0:
         return below_end + 1, below_start, touches
     return above_start, above_end - 1, touches
 

@@ -22,17 +22,18 @@ from cyclemap.checks import (
 )
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import inline_svg, map_strokes
-from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
     Lift,
     Scalar,
+    SlopesAndErrors,
     base_angles,
     check_lift,
     check_scalar,
     differences,
     guarded,
     one_sided_limit,
+    with_rounding,
 )
 from cyclemap.maps.lifts.piecewise_lifts import (
     PiecewiseCubic,
@@ -40,10 +41,12 @@ from cyclemap.maps.lifts.piecewise_lifts import (
     lift_from_branches,
 )
 
-SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
 Recipe = tuple[
     Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]
 ]  # a call that makes the map again
+
+Angles = Any  # a float, or an array of them
+Wave = Callable[..., Angles]
 
 _NO_BREAKS = read_only(())
 
@@ -54,29 +57,23 @@ class CircleMap:
 
     Parameters
     ----------
-    breaks : array_like, default ()
-        Angles (radians, any order, any turn) where F jumps or F' does. F is taken to be
-        continuous from the right there: ``F(b)`` should be the limit from above.
-    degree : int, default 1
-        How often the image runs round while θ runs round once; any whole number.
-    max_error : float, default 0.0
-        A bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact
-        map.
     lift : callable
         Radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
         of any shape and gives float64 entry by entry.
     derivative : callable, optional
         Such a callable for F'; None: differences of fourth order that never reach across a
         break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error`` tells.
+    breaks : array_like, default ()
+        Angles (radians, any order, any turn) where F jumps or F' does; kept sorted, in [0, 2π).
+        F is taken to be continuous from the right there: ``F(b)`` should be the limit from above.
+    degree : int, default 1
+        How often the image runs round while θ runs round once; any whole number.
+    max_error : float, default 0.0
+        A bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact
+        map.
 
     Attributes
     ----------
-    breaks : ndarray
-        Sorted, in [0, 2π).
-    degree : int
-        As given.
-    max_error : float
-        As given.
     samples : int
         Number of sample points; 0 for a map given by formulas.
     formula : callable
@@ -169,13 +166,13 @@ class CircleMap:
 
     def __reduce__(self) -> tuple[Callable[..., CircleMap], tuple[Recipe]]:
         _, arguments, options = self._recipe
-        for part in (*arguments, *options.values()):
-            if callable(part) and not isinstance(part, CircleMap):
+        for given in (*arguments, *options.values()):
+            if callable(given) and not isinstance(given, CircleMap):
                 try:
-                    pickle.dumps(part)
+                    pickle.dumps(given)
                 except Exception as cause:
                     raise InvalidInput(
-                        f"the map cannot be pickled, as {part!r} cannot: make it of functions that "
+                        f"the map cannot be pickled, as {given!r} cannot: make it of functions that "
                         "are defined by def at the top of a module (or sample it: "
                         "CircleMap.from_samples)"
                     ) from cause
@@ -226,8 +223,7 @@ class CircleMap:
             return self._slopes(angles)
         if self._derivative is None:
             return differences(self._lift, self.breaks, angles)
-        slope = self._derivative(angles)
-        return slope, LIFT * (1.0 + np.abs(slope))
+        return with_rounding(self._derivative(angles))
 
     def left(self, theta: ArrayLike) -> Array:
         """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""
@@ -341,16 +337,13 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        shift = TWO_PI * finite_number("omega", omega)
         r = finite_number("a", a)
         if not 0.0 <= r < 1.0:
             raise InvalidInput(
                 f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any "
                 "|a| < 1"
             )
-        return cls.with_scalar(*_blaschke_forms((complex(r),), shift)).remade_by(
-            cls.moebius, a, omega
-        )
+        return cls.blaschke([r], omega)
 
     @classmethod
     def blaschke(cls, zeros: ArrayLike, omega: float = 0.0) -> CircleMap:
@@ -544,13 +537,11 @@ def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lif
     # 1 - r cos φ = (1 - r) + 2r sin²(φ/2), and r sin φ = 2r sin(φ/2) cos(φ/2).
     rows = [(0.5 * angle, 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)) for r, angle in turning]
 
-    def lift(x: Array) -> Array:
+    def turned(x: Angles, sin: Wave, cos: Wave, arctan2: Wave) -> Angles:
         value = k * x + shift
         for half, double, gap, _ in rows:
-            s = np.sin(0.5 * x - half)
-            value = value + 2.0 * np.arctan2(
-                double * s * np.cos(0.5 * x - half), gap + double * s * s
-            )
+            s = sin(0.5 * x - half)
+            value = value + 2.0 * arctan2(double * s * cos(0.5 * x - half), gap + double * s * s)
         return value
 
     def derivative(x: Array) -> Array:
@@ -560,11 +551,8 @@ def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lif
             slope = slope + top / (gap * gap + 2.0 * double * s * s)
         return slope
 
-    def scalar(x: float) -> float:
-        value = k * x + shift
-        for half, double, gap, _ in rows:
-            s = sin(0.5 * x - half)
-            value += 2.0 * atan2(double * s * cos(0.5 * x - half), gap + double * s * s)
-        return value
-
-    return lift, derivative, scalar
+    return (
+        lambda x: turned(x, np.sin, np.cos, np.arctan2),
+        derivative,
+        lambda x: turned(x, sin, cos, atan2),
+    )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
@@ -57,8 +57,8 @@ class Jet:
     slope: Ball
 
     def __add__(self, other: Jet | float) -> Jet:
-        value, slope = self._both(other)
-        return Jet(self.value + value, self.slope + slope)
+        other = self._jet(other)
+        return Jet(self.value + other.value, self.slope + other.slope)
 
     __radd__ = __add__
 
@@ -66,35 +66,30 @@ class Jet:
         return Jet(-self.value, -self.slope)
 
     def __sub__(self, other: Jet | float) -> Jet:
-        value, slope = self._both(other)
-        return Jet(self.value - value, self.slope - slope)
+        return self + -self._jet(other)
 
     def __rsub__(self, other: Jet | float) -> Jet:
-        value, slope = self._both(other)
-        return Jet(value - self.value, slope - self.slope)
+        return -self + other
 
     def __mul__(self, other: Jet | float) -> Jet:
-        value, slope = self._both(other)
-        return Jet(self.value * value, self.slope * value + self.value * slope)
+        other = self._jet(other)
+        return Jet(self.value * other.value, self.slope * other.value + self.value * other.slope)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Jet | float) -> Jet:
-        value, slope = self._both(other)
-        ratio = self.value / value
-        return Jet(ratio, (self.slope - ratio * slope) / value)
+        other = self._jet(other)
+        ratio = self.value / other.value
+        return Jet(ratio, (self.slope - ratio * other.slope) / other.value)
 
     def __rtruediv__(self, other: Jet | float) -> Jet:
-        value, slope = self._both(other)
-        return Jet(value, slope) / self
+        return self._jet(other) / self
 
     def __pow__(self, exponent: Jet | float) -> Jet:
         if isinstance(exponent, Jet):
             raise TypeError("an exponent that depends on θ")
-        if exponent == int(exponent):
-            power = int(exponent)
-            return Jet(self.value**power, power * self.value ** (power - 1) * self.slope)
-        power, _ = self._both(exponent)
+        whole = exponent == int(exponent)
+        power = int(exponent) if whole else self._jet(exponent).value
         return Jet(self.value**power, power * self.value ** (power - 1) * self.slope)
 
     def __bool__(self) -> bool:
@@ -120,22 +115,20 @@ class Jet:
         unknown.
         """
         arb = ball_library().arb
-        value, slope = self._both(across)
-        angle = arb.atan2(self.value, value)
-        if not value > 0 and self.value.contains(0):
+        across = self._jet(across)
+        angle = arb.atan2(self.value, across.value)
+        if not across.value > 0 and self.value.contains(0):
             return Jet(angle, arb.nan())
-        return Jet(
-            angle,
-            (value * self.slope - self.value * slope) / (value * value + self.value * self.value),
-        )
+        turned = across.value * self.slope - self.value * across.slope
+        return Jet(angle, turned / (across.value * across.value + self.value * self.value))
 
-    def _both(self, other: Jet | float) -> tuple[Ball, Ball]:
+    def _jet(self, other: Jet | float) -> Jet:
         if isinstance(other, Jet):
-            return other.value, other.slope
+            return other
         if not isinstance(other, (int, float, np.integer, np.float32)):
             raise TypeError(f"{type(other).__name__} beside an interval")
         exact = int(other) if isinstance(other, (int, np.integer)) else float(other)
-        return self.value * 0 + exact, self.value * 0
+        return Jet(self.value * 0 + exact, self.value * 0)
 
 
 IntervalLift = Callable[[Jet], Jet]
@@ -156,47 +149,39 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
         )
     bound = non_negative_number("slope_error", slope_error)
     lift = circle_map.formula
-    inner: IntervalLift
     if isinstance(lift, CompositeLift):
         if circle_map.max_error > 0.0 or bound > 0.0:
             raise InvalidInput(
                 "no proof: errors of maps made of maps are not followed; prove of a sampled map "
                 "itself"
             )
-        chain = [interval_lift(part, 0.0) for part in lift.maps]
-
-        def inner(jet: Jet) -> Jet:
-            for step in chain:
-                jet = step(jet)
-            return jet
-
-        return inner
-    inner = (
-        partial(_of_cubics, lift)
-        if isinstance(lift, PiecewiseCubic)
-        else partial(_of_formula, lift)
-    )
-    if circle_map.max_error == 0.0 and bound == 0.0 and not isinstance(lift, PiecewiseCubic):
-        return inner
+        chain = [interval_lift(inner, 0.0) for inner in lift.maps]
+        return lambda jet: reduce(lambda image, step: step(image), chain, jet)
+    exact: IntervalLift = partial(_of_formula, lift)
+    if isinstance(lift, PiecewiseCubic):
+        exact = partial(_of_cubics, lift)
+    elif circle_map.max_error == 0.0 and bound == 0.0:
+        return exact
     if circle_map.max_error == 0.0 or bound == 0.0:
         raise InvalidInput(
             f"no proof: max_error is {circle_map.max_error:g} and slope_error {bound:g}; a map "
             "that is not exact needs bounds on the errors of its values (max_error of the map) and "
             "of its slope (slope_error), both above 0"
         )
+    return partial(_inexact, exact, circle_map.max_error, bound)
+
+
+def _inexact(exact: IntervalLift, max_error: float, slope_error: float, jet: Jet) -> Jet:
+    """The image of every lift that lies so near to a computed one."""
     arb = ball_library().arb
-
-    def inexact(jet: Jet) -> Jet:
-        straight = inner(Jet(jet.value, arb(1)))
-        if not straight.value.is_finite():
-            return straight
-        size = float(straight.value.abs_upper())
-        steepness = float(straight.slope.abs_upper())
-        rounding = LIFT * (TWO_PI * (1.0 + steepness) + size)
-        value = straight.value + arb(0, circle_map.max_error + rounding)
-        return Jet(value, (straight.slope + arb(0, bound + rounding)) * jet.slope)
-
-    return inexact
+    straight = exact(Jet(jet.value, arb(1)))
+    if not straight.value.is_finite():
+        return straight
+    size = float(straight.value.abs_upper())
+    steepness = float(straight.slope.abs_upper())
+    rounding = LIFT * (TWO_PI * (1.0 + steepness) + size)
+    value = straight.value + arb(0, max_error + rounding)
+    return Jet(value, (straight.slope + arb(0, slope_error + rounding)) * jet.slope)
 
 
 def _of_formula(lift: Callable[[Any], Any], jet: Jet) -> Jet:
@@ -219,27 +204,21 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
     base = jet.value - 2 * arb.pi() * turns
     low = np.nextafter(float(base.lower()), -np.inf)
     high = np.nextafter(float(base.upper()), np.inf)
-    hull: Jet | None = None
-    for lap in (-1, 0, 1):
-        start = lap * TWO_PI
-        first = int(np.searchsorted(pieces.knots, low - start, side="right")) - 1
-        last = int(np.searchsorted(pieces.knots, high - start, side="left"))
-        # A neighbour more on either side is never wrong, as ``start`` is rounded.
-        for index in range(max(first - 1, 0), min(last + 1, pieces.knots.size - 1)):
-            left = float(pieces.knots[index] + start)
-            begin = max(low, left)
-            end = min(high, float(pieces.knots[index + 1] + start))
-            if begin > end:
-                continue
-            offset = arb(begin).union(arb(end)) - left
-            c0, c1, c2, c3 = pieces.coefficients[:, index].tolist()
-            climb = 2 * arb.pi() * (pieces.degree * (lap + turns))
-            value = ((c3 * offset + c2) * offset + c1) * offset + c0 + climb
-            slope = (3 * c3 * offset + 2 * c2) * offset + c1
-            hull = (
-                Jet(value, slope)
-                if hull is None
-                else Jet(hull.value.union(value), hull.slope.union(slope))
-            )
-    assert hull is not None
-    return Jet(hull.value, hull.slope * jet.slope)
+    # The cubics of three turns; a neighbour more on either side is never wrong, as the ends of
+    # turns are rounded.
+    starts = np.concatenate([pieces.knots[:-1] + TWO_PI * lap for lap in (-1, 0, 1)])
+    ends = np.append(starts[1:], 2.0 * TWO_PI)
+    first = max(int(np.searchsorted(starts, low, side="right")) - 2, 0)
+    last = int(np.searchsorted(starts, high, side="left")) + 1
+    values = []
+    slopes = []
+    for index, (start, end) in enumerate(zip(starts[first:last], ends[first:last], strict=True)):
+        if max(low, start) > min(high, end):
+            continue
+        lap, piece = divmod(first + index, pieces.knots.size - 1)
+        offset = arb(max(low, start)).union(arb(min(high, end))) - float(start)
+        c0, c1, c2, c3 = pieces.coefficients[:, piece].tolist()
+        climb = 2 * arb.pi() * (pieces.degree * (lap - 1 + turns))
+        values.append(((c3 * offset + c2) * offset + c1) * offset + c0 + climb)
+        slopes.append((3 * c3 * offset + 2 * c2) * offset + c1)
+    return Jet(reduce(arb.union, values), reduce(arb.union, slopes) * jet.slope)

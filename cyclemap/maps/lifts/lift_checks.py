@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.maps.estimate import EPS, STENCIL
+from cyclemap.maps.estimate import EPS, LIFT, STENCIL
 
 Lift = Callable[[Array], Array]
 Scalar = Callable[[float], float]
+SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
 Index = npt.NDArray[np.intp]
 
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
@@ -30,11 +31,17 @@ _AGREEING = 1e-8  # of 1 + |F'|: how far two differences may lie apart
 _SHRINKINGS = 5  # of the step, each by four: rounding rules below a microradian
 
 
+def within_turn(theta: Array) -> tuple[Array, Array]:
+    """The angles less whole turns, in [0, 2π), and the turns that were taken off."""
+    turns = np.floor(theta / TWO_PI)
+    return theta - TWO_PI * turns, turns
+
+
 def distance_to_break(breaks: Array, theta: Array) -> Array:
     """How far along the circle the nearest break lies, radians; π where there is none."""
     if breaks.size == 0:
         return np.full(np.shape(theta), np.pi)
-    base = theta - TWO_PI * np.floor(theta / TWO_PI)
+    base, _ = within_turn(theta)
     return np.abs(nearest_on_circle(breaks, base)[0] - base)
 
 
@@ -76,15 +83,19 @@ def one_sided_limit(
     values = np.array(function(angles), dtype=np.float64)
     if breaks.size == 0:
         return values
-    turns = np.floor(angles / TWO_PI)
-    base = angles - TWO_PI * turns
+    base, _ = within_turn(angles)
     nearest, index = nearest_on_circle(breaks, base)
     here = np.abs(base - nearest) <= SNAP
     if here.any():
-        found = breaks[index[here]]
-        turns = np.round((angles[here] - found) / TWO_PI)
-        values[here] = beside(function, found, side, climb) + TWO_PI * climb * turns
+        met = breaks[index[here]]
+        turns = np.round((angles[here] - met) / TWO_PI)
+        values[here] = beside(function, met, side, climb) + TWO_PI * climb * turns
     return values
+
+
+def with_rounding(slope: Array) -> tuple[Array, Array]:
+    """A slope that was given, and a bound on its rounding."""
+    return slope, LIFT * (1.0 + np.abs(slope))
 
 
 def differences(function: Lift, breaks: Array, theta: Array) -> tuple[Array, Array]:
@@ -111,24 +122,24 @@ def differences_between(
     left between them, and rounding.
     """
     step = np.minimum(_DIFFERENCE_STEP, (above + below) / 8.1)
-    found = _five_points(function, theta, below, above, step)
+    slope = _five_points(function, theta, below, above, step)
     finer = _five_points(function, theta, below, above, step / 4.0)
-    rough = np.abs(finer - found) > _AGREEING * (1.0 + np.abs(found))
+    rough = np.abs(finer - slope) > _AGREEING * (1.0 + np.abs(slope))
     for _ in range(_SHRINKINGS):
         if not np.any(rough):
             break
-        found = np.where(rough, finer, found)
+        slope = np.where(rough, finer, slope)
         step = np.where(rough, step / 4.0, step)
         finer[rough] = _five_points(
             function, theta[rough], below[rough], above[rough], step[rough] / 4.0
         )
-        rough &= np.abs(finer - found) > _AGREEING * (1.0 + np.abs(found))
+        rough &= np.abs(finer - slope) > _AGREEING * (1.0 + np.abs(slope))
     rounding = (
-        STENCIL * (TWO_PI + np.abs(theta) * (1.0 + np.abs(found)) + np.abs(function(theta))) / step
+        STENCIL * (TWO_PI + np.abs(theta) * (1.0 + np.abs(slope)) + np.abs(function(theta))) / step
     )
     # The finer difference has 1/256 of the error of the other, or little less than all of it on a
     # rough stretch.
-    return found, 2.0 * np.abs(finer - found) + rounding
+    return slope, 2.0 * np.abs(finer - slope) + rounding
 
 
 def _five_points(function: Lift, theta: Array, below: Array, above: Array, step: Array) -> Array:
@@ -176,25 +187,14 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
             if derivative is None
             else checked_call("derivative", derivative, points[:12])
         )
+        allowed = _allowance(values[:24], slopes)
         climb = values[12:24] - values[:12]
-        gap = np.abs(climb - TWO_PI * degree)
-        if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
-            worst = int(np.argmax(gap))
-            turns = np.round(climb / TWO_PI)
-            fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
-            hint = (
-                f"that is degree {turns[0]:.0f}, if it is not wrapped"
-                if fits
-                else "give a lift that is not wrapped"
-            )
-            raise InvalidInput(
-                f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
-                f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
-            )
+        if np.max(np.abs(climb - TWO_PI * degree)) > allowed:
+            _refuse_climb(points, climb, degree)
         # The same angles in another shape and company must give the same values.
         again = checked_call("lift", lift, points[:6].reshape(2, 3)).ravel()
         gap = np.abs(again - values[:6])
-        if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
+        if gap.max() > allowed:
             worst = int(np.argmax(gap))
             raise InvalidInput(
                 f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = "
@@ -208,6 +208,21 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
             _refuse_hidden_jump(lift, derivative, breaks, points[24:], steps)
 
 
+def _refuse_climb(points: Array, climb: Array, degree: int) -> None:
+    worst = int(np.argmax(np.abs(climb - TWO_PI * degree)))
+    turns = np.round(climb / TWO_PI)
+    fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
+    hint = (
+        f"that is degree {turns[0]:.0f}, if it is not wrapped"
+        if fits
+        else "give a lift that is not wrapped"
+    )
+    raise InvalidInput(
+        f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
+        f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
+    )
+
+
 def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
     """Raise InvalidInput unless the form for one python float gives what the lift gives at three
     points.
@@ -216,8 +231,6 @@ def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
     worst = max(
         abs(scalar(x) - y) for x, y in zip(_POINTS[:3].tolist(), values.tolist(), strict=True)
     )
-    if worst <= _TOLERANCE:
-        return
     slopes = values[:0] if derivative is None else derivative(_POINTS[:12])
     if not worst <= _allowance(values, slopes):
         raise InvalidInput(
@@ -229,14 +242,9 @@ def checked_call(name: str, function: Lift, points: Array) -> Array:
     """The callable's values at ``points``, refused by name unless they are finite float64, entry by
     entry.
     """
-    try:
-        values = function(points)
-    except CycleMapError:
-        raise
-    except Exception as cause:
-        raise InvalidInput(_failure(name, function, points, cause)) from cause
-    if getattr(values, "dtype", None) != np.float64:
-        kind = getattr(values, "dtype", type(values).__name__)
+    values = _called(name, function, points)
+    kind = getattr(values, "dtype", type(values).__name__)
+    if kind != np.float64:
         raise InvalidInput(
             f"the {name} gives {kind} for float64 angles: it must give real float64 numbers"
         )
@@ -244,13 +252,27 @@ def checked_call(name: str, function: Lift, points: Array) -> Array:
         raise InvalidInput(
             f"the {name} turns shape {points.shape} into {values.shape}: it must act entry by entry"
         )
-    if not np.isfinite(values).all():
-        worst = int(np.argmin(np.isfinite(values)))
-        raise InvalidInput(
-            f"the {name} gives {values.ravel()[worst]} at θ = {points.ravel()[worst]:.6g}: it "
-            "must be finite everywhere"
-        )
+    _refuse_values(name, points, values, ~np.isfinite(values))
     return values
+
+
+def _called(name: str, function: Lift, theta: Array) -> Array:
+    """What the callable gives, or InvalidInput that says where it fails."""
+    try:
+        return function(theta)
+    except CycleMapError:
+        raise
+    except Exception as cause:
+        raise InvalidInput(_failure(name, function, theta, cause)) from cause
+
+
+def _refuse_values(name: str, theta: Array, values: Array, wrong: Mask) -> None:
+    if wrong.any():
+        place = int(np.argmax(wrong))
+        raise InvalidInput(
+            f"the {name} gives {np.ravel(values)[place]} at θ = {np.ravel(theta)[place]:.9g}: "
+            "it must be finite everywhere"
+        )
 
 
 def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
@@ -259,9 +281,9 @@ def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
     """
     for theta in np.ravel(points):
         raised = []
-        for one in (np.asarray(theta), np.array([theta])):
+        for single in (np.asarray(theta), np.array([theta])):
             try:
-                function(one)
+                function(single)
             except Exception as error:
                 raised.append(f"{type(error).__name__}: {error}")
         if len(raised) == 2:
@@ -281,19 +303,8 @@ def guarded(name: str, function: Lift, finite: bool) -> Lift:
     bad = (lambda values: ~np.isfinite(values)) if finite else np.isnan
 
     def call(theta: Array) -> Array:
-        try:
-            values = function(theta)
-        except CycleMapError:
-            raise
-        except Exception as cause:
-            raise InvalidInput(_failure(name, function, theta, cause)) from cause
-        wrong = bad(values)
-        if wrong.any():
-            place = int(np.argmax(wrong))
-            raise InvalidInput(
-                f"the {name} gives {np.ravel(values)[place]} at θ = {np.ravel(theta)[place]:.9g}: "
-                "it must be finite everywhere"
-            )
+        values = _called(name, function, theta)
+        _refuse_values(name, theta, values, bad(values))
         return values
 
     return call

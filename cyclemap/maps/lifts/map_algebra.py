@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import floor
 
@@ -26,6 +27,7 @@ from cyclemap.maps.lifts.lift_checks import (
     base_angles,
     carried_round,
     distance_to_break,
+    within_turn,
 )
 from cyclemap.maps.lifts.scan import INSET
 
@@ -54,18 +56,14 @@ class InverseLift:
 
     def __call__(self, values: Array) -> Array:
         """The lift of the inverse at ``values`` (radians, any shape)."""
-        turns = np.floor(values / TWO_PI)
-        return self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns
+        base, turns = within_turn(values)
+        return self.table.inverse(base) + (TWO_PI * self.degree) * turns
 
     def derivative(self, values: Array) -> Array:
         """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump
         of F.
         """
-        theta, low, high = self._inside(values)
-        with np.errstate(divide="ignore"):
-            return np.where(
-                high > low, 1.0 / self.table.map.derivative(np.clip(theta, low, high)), 0.0
-            )
+        return self.derivative_and_error(values)[0]
 
     def derivative_and_error(self, values: Array) -> tuple[Array, Array]:
         """The same and a bound on its error: that of F', at an angle that is known to rounding over
@@ -86,7 +84,7 @@ class InverseLift:
         """The angles, and the ends between which F' belongs to the value: inside their cell's
         breaks.
         """
-        base = values - TWO_PI * np.floor(values / TWO_PI)
+        base, _ = within_turn(values)
         theta = self.table.inverse(base)
         cell = self.table.cell(base)
         low = self.table.theta[cell]
@@ -114,81 +112,96 @@ class CompositeLift:
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta`` (radians, any shape)."""
-        return self._walk(theta)[0]
+        for stage in self._stages(theta):
+            image = stage.image + TWO_PI * stage.turns
+        return image
 
     def derivative(self, theta: Array) -> Array:
         """Its slope by the chain rule."""
-        return self._walk(theta, slope=True)[1]
+        product = np.ones_like(theta)
+        for stage in self._stages(theta):
+            product = product * stage.map.derivative(stage.angle)
+        return product
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
         """The same and a bound on its error: those of the slopes, at angles that rounding has
         moved.
         """
-        return self._walk(theta, slope=True, errors=True)[1:]
-
-    def _walk(
-        self, theta: Array, slope: bool = False, errors: bool = False
-    ) -> tuple[Array, Array, Array]:
-        turns = np.floor(theta / TWO_PI)
-        angle = theta - TWO_PI * turns
-        product = np.ones_like(angle)
-        error = np.zeros_like(angle)
+        product = np.ones_like(theta)
+        error = np.zeros_like(theta)
         moved = 0.5 * np.spacing(np.abs(theta))
-        piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
-        for place, (one, guard) in enumerate(zip(self.maps, self.guards, strict=True)):
-            low = np.full_like(angle, -np.inf)
-            high = np.full_like(angle, np.inf)
-            if guard is not None:
-                whole, low, high = (column[piece] for column in guard)
-                angle = np.clip(angle - TWO_PI * whole, low, high)
-                turns = turns + whole
-            elif place > 0:
-                whole = np.floor(angle / TWO_PI)
-                angle = angle - TWO_PI * whole
-                turns = turns + whole
-            if errors:
-                steepness, off = slope_and_error_beside(one, angle, moved, low, high)
-                error = (
-                    np.abs(product) * off
-                    + error * (np.abs(steepness) + off)
-                    + EPS * np.abs(product * steepness)
-                )
-                moved = moved * (np.abs(steepness) + off) + LIFT * (TWO_PI + np.abs(one(angle)))
-                product = product * steepness
-            elif slope:
-                product = product * one.derivative(angle)
-            angle = one(angle)
-            turns = turns * float(one.degree)
-        return angle + TWO_PI * turns, product, error
+        for stage in self._stages(theta):
+            slope, off = slope_and_error_beside(
+                stage.map, stage.angle, moved, stage.low, stage.high
+            )
+            error = (
+                np.abs(product) * off
+                + error * (np.abs(slope) + off)
+                + EPS * np.abs(product * slope)
+            )
+            moved = moved * (np.abs(slope) + off) + LIFT * (TWO_PI + np.abs(stage.image))
+            product = product * slope
+        return product, error
+
+    def _stages(self, theta: Array) -> Iterator[_Stage]:
+        angle, turns = within_turn(theta)
+        piece = np.searchsorted(self.breaks, angle, side="right")
+        low = np.full_like(angle, -np.inf)
+        high = -low
+        for circle_map, guard in zip(self.maps, self.guards, strict=True):
+            if guard is None:
+                angle, whole = within_turn(angle)
+                stage_low, stage_high = low, high
+            else:
+                whole, stage_low, stage_high = (column[piece] for column in guard)
+                angle = np.clip(angle - TWO_PI * whole, stage_low, stage_high)
+            image = circle_map(angle)
+            turns = (turns + whole) * float(circle_map.degree)
+            yield _Stage(circle_map, angle, image, turns, stage_low, stage_high)
+            angle = image
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
         breaks: list[float] = self.breaks.tolist()
         rows = [
             (
-                one.scalar(),
-                one.degree,
+                circle_map.scalar(),
+                circle_map.degree,
                 list(zip(*(column.tolist() for column in guard or ()), strict=True)),
             )
-            for one, guard in zip(self.maps, self.guards, strict=True)
+            for circle_map, guard in zip(self.maps, self.guards, strict=True)
         ]
 
         def lift(theta: float) -> float:
             turns = floor(theta / TWO_PI)
             angle = theta - TWO_PI * turns
             piece = bisect_right(breaks, angle)
-            for one, degree, guard in rows:
+            for step, degree, guard in rows:
                 if guard:
                     whole, low, high = guard[piece]
                     angle = min(max(angle - TWO_PI * whole, low), high)
                 else:
                     whole = floor(angle / TWO_PI)
                     angle -= TWO_PI * whole
-                angle = one(angle)
+                angle = step(angle)
                 turns = (turns + whole) * degree
             return angle + TWO_PI * turns
 
         return lift
+
+
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """One map of a composite: its argument ``angle``, kept in [low, high], its image, and the whole
+    turns that were taken off up to there.
+    """
+
+    map: CircleMap
+    angle: Array
+    image: Array
+    turns: Array
+    low: Array
+    high: Array
 
 
 MAX_BREAKS = 250_000
@@ -336,18 +349,8 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
         return CircleMap.from_pieces(
             cubic, circle_map.breaks, circle_map.samples, circle_map.max_error
         )
-    one = circle_map.scalar()
-    made = CircleMap.with_scalar(
-        lambda theta: circle_map(theta) + up,
-        circle_map.derivative,
-        lambda theta: one(theta) + up,
-        breaks=circle_map.breaks,
-        degree=circle_map.degree,
-        max_error=circle_map.max_error,
-    )
-    return made.with_slope_errors(circle_map.derivative_and_error).remade_by(
-        shifted, circle_map, turns
-    )
+    made = _composite([circle_map, CircleMap.rigid(turns)], circle_map.breaks, circle_map.max_error)
+    return made.remade_by(shifted, circle_map, turns)
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
@@ -392,12 +395,12 @@ def inverse(circle_map: CircleMap) -> CircleMap:
         )
     parts = branches(circle_map)
     hint = "it has no inverse; branches inverts each monotone piece"
-    for i, part in enumerate(parts):
-        if part.direction == -degree:
-            raise InvalidInput(f"F turns back on [{part.start:.9g}, {part.end:.9g}]: {hint}")
+    for i, branch in enumerate(parts):
+        if branch.direction == -degree:
+            raise InvalidInput(f"F turns back on [{branch.start:.9g}, {branch.end:.9g}]: {hint}")
         after = parts[(i + 1) % len(parts)]
         lap = (i + 1) // len(parts)
-        jump = after.start_value + TWO_PI * degree * lap - part.end_value
+        jump = after.start_value + TWO_PI * degree * lap - branch.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
     lift = _inverse_lift(circle_map, parts)
@@ -409,14 +412,14 @@ def inverse(circle_map: CircleMap) -> CircleMap:
 
 def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
     degree = circle_map.degree
-    theta = np.concatenate([part.table.theta for part in parts])
-    value = np.concatenate([part.table.value for part in parts])
+    theta = np.concatenate([branch.table.theta for branch in parts])
+    value = np.concatenate([branch.table.value for branch in parts])
     bent = distance_to_break(circle_map.breaks, theta) <= SNAP
-    for part, beyond in zip(
-        parts, np.cumsum([part.table.theta.size for part in parts]), strict=True
+    for branch, beyond in zip(
+        parts, np.cumsum([branch.table.theta.size for branch in parts]), strict=True
     ):
-        if part.direction == 0:  # both ends of a plateau
-            bent[[beyond - part.table.theta.size, beyond - 1]] = True
+        if branch.direction == 0:  # both ends of a plateau
+            bent[[beyond - branch.table.theta.size, beyond - 1]] = True
     base = base_angles(value)
     breaks = np.unique(base[bent])
     moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
@@ -444,17 +447,23 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
         if own.size == 0:
             guards.append(None)
         else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
-            turns = np.floor(angle / TWO_PI)
+            base, turns = within_turn(angle)
             around = carried_round(own)
-            above = around.searchsorted(angle - TWO_PI * turns, side="right").clip(1, own.size + 1)
+            above = around.searchsorted(base, side="right").clip(1, own.size + 1)
             margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
             guards.append((turns, around[above - 1] + margin, around[above] - margin))
         if breaks.size:
-            angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
+            angle = circle_map(within_turn(angle)[0])
     lift = CompositeLift(tuple(maps), tuple(guards), breaks)
     degree = math.prod(circle_map.degree for circle_map in maps)
-    options = {"breaks": breaks, "degree": degree, "max_error": max_error}
-    made = CircleMap.with_scalar(lift, lift.derivative, lift.scalar(), **options)
+    made = CircleMap.with_scalar(
+        lift,
+        lift.derivative,
+        lift.scalar(),
+        breaks=breaks,
+        degree=degree,
+        max_error=max_error,
+    )
     return made.with_slope_errors(lift.derivative_and_error)
 
 
@@ -463,15 +472,15 @@ def _pulled_back(inner: CircleMap, levels: Array, parts: tuple[Branch, ...]) -> 
     if levels.size == 0:
         return inner.breaks
     roots, plateaus = preimages_on(parts, levels, inner.degree)
-    found = base_angles(np.append(roots, plateaus))
-    found = np.sort(np.where(found > TWO_PI - _SAME, 0.0, found))
-    found = found[distance_to_break(inner.breaks, found) > _SAME]
-    found = found[np.diff(found, prepend=-1.0) > _SAME]
-    if found.size > MAX_BREAKS:
+    angles = base_angles(np.append(roots, plateaus))
+    angles = np.sort(np.where(angles > TWO_PI - _SAME, 0.0, angles))
+    angles = angles[distance_to_break(inner.breaks, angles) > _SAME]
+    angles = angles[np.diff(angles, prepend=-1.0) > _SAME]
+    if angles.size > MAX_BREAKS:
         raise ConvergenceError(
-            f"the composite has {found.size} breaks, more than {MAX_BREAKS}: iterate less often"
+            f"the composite has {angles.size} breaks, more than {MAX_BREAKS}: iterate less often"
         )
-    return np.union1d(inner.breaks, found)
+    return np.union1d(inner.breaks, angles)
 
 
 def _error_after(outer: CircleMap, error: float) -> float:

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import floor
 from typing import Any
 
@@ -16,15 +17,18 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import LIFT, SAME_ANGLE
+from cyclemap.maps.estimate import SAME_ANGLE
 from cyclemap.maps.lifts.lift_checks import (
     SNAP,
     Index,
     Lift,
     Scalar,
+    SlopesAndErrors,
     base_angles,
     checked_call,
     differences_between,
+    with_rounding,
+    within_turn,
 )
 
 
@@ -67,8 +71,7 @@ class PiecewiseCubic:
         return bool(np.min(slopes) >= 0.0)
 
     def _locate(self, theta: Array) -> tuple[Index, Array, Array]:
-        turns = np.floor(theta / TWO_PI)
-        base = theta - TWO_PI * turns
+        base, turns = within_turn(theta)
         piece = np.searchsorted(self.knots, base, side="right") - 1
         piece = np.clip(piece, 0, self.knots.size - 2)
         return piece, base - self.knots[piece], turns
@@ -206,26 +209,15 @@ def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) ->
     """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between
     breaks.
     """
+    count = theta.size
+    if closed:  # as it goes on in the turns before and after
+        climb = TWO_PI * degree
+        theta = np.concatenate([theta[:-1] - TWO_PI, theta, theta[1:] + TWO_PI])
+        lifted = np.concatenate([lifted[:-1] - climb, lifted, lifted[1:] + climb])
     cuts = np.flatnonzero(np.diff(theta) == 0.0) + 1
-    if closed and cuts.size == 0:
-        reach = min(3, theta.size - 1)
-        x = np.concatenate([theta[-1 - reach : -1] - TWO_PI, theta, theta[1 : 1 + reach] + TWO_PI])
-        shift = TWO_PI * degree
-        y = np.concatenate([lifted[-1 - reach : -1] - shift, lifted, lifted[1 : 1 + reach] + shift])
-        return _pchip_slopes(x, y)[reach : reach + theta.size]
-    branches = list(np.split(np.arange(theta.size), cuts))
-    slopes = np.concatenate([_pchip_slopes(theta[part], lifted[part]) for part in branches])
-    if closed:
-        # The branch that runs through the end point is one branch: its slopes come from both parts
-        # together.
-        last = branches[-1]
-        first = branches[0]
-        x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
-        y = np.concatenate([lifted[last], lifted[first[1:]] + TWO_PI * degree])
-        joined = _pchip_slopes(x, y)
-        slopes[last] = joined[: last.size]
-        slopes[first] = joined[last.size - 1 :]
-    return slopes
+    branches = zip(np.split(theta, cuts), np.split(lifted, cuts), strict=True)
+    slopes = np.concatenate([_pchip_slopes(*branch) for branch in branches])
+    return slopes[count - 1 : 2 * count - 1] if closed else slopes
 
 
 def _pchip_slopes(x: Array, y: Array) -> Array:
@@ -271,98 +263,83 @@ _SAME_DIFFERENCE = 1e-6  # the same where a slope comes from differences
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One branch: ``lift`` and ``given``, its derivative or None, on [start, end], radians."""
+    """One branch on [start, end], radians, ``shift`` turns ahead of where it lies in [0, 2π).
+
+    lift, scalar : its values, of arrays and of one float.
+    slopes : F' at angles of the branch and a bound on its error.
+    """
 
     start: float
     end: float
     lift: Lift
-    given: Lift | None
-
-    def derivative(self, theta: Array) -> Array:
-        """F' at angles of the branch."""
-        return self.derivative_and_error(theta)[0] if self.given is None else self.given(theta)
-
-    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
-        """F' and a bound on its error: rounding, or that of differences inside the branch."""
-        if self.given is None:
-            return differences_between(self.lift, theta, theta - self.start, self.end - theta)
-        slope = self.given(theta)
-        return slope, LIFT * (1.0 + np.abs(slope))
+    slopes: SlopesAndErrors
+    scalar: Scalar
+    shift: float = 0.0
 
     @property
     def ends(self) -> Array:
         """Start and end, shape (2,)."""
         return np.array([self.start, self.end])
 
+    def derivative(self, theta: Array) -> Array:
+        """F' at angles of the branch."""
+        return self.slopes(theta)[0]
+
 
 @dataclass(frozen=True, eq=False)
 class BranchedLift:
-    """The lift made of ``pieces`` in order on [0, 2π): piece i starts at ``starts[i]``, its own
-    angle ``shift[i]`` on.
-
-    ``starts`` has shape (n,), its first entry 0; ``shift`` holds whole turns.
+    """The lift made of ``pieces`` in order on [0, 2π): piece i starts at ``starts[i]``, the first
+    at 0.
     """
 
     starts: Array
     pieces: tuple[Piece, ...]
-    shift: Array
     degree: int
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta`` (radians, any shape)."""
-        turns = np.floor(theta / TWO_PI)
-        owner = self._owner(theta)
         values = np.empty(np.shape(theta))
-        for piece, own, here in self._parts(theta, owner):
-            values[here] = piece.lift(own)
-        return np.asarray(values + (TWO_PI * self.degree) * (turns - self.shift[owner]))
+        for piece, own, turns, here in self._parts(theta):
+            values[here] = piece.lift(own) + (TWO_PI * self.degree) * (turns - piece.shift)
+        return values
 
     def derivative(self, theta: Array) -> Array:
         """Its slope; at a seam the one from the right."""
-        values = np.empty(np.shape(theta))
-        for piece, own, here in self._parts(theta, self._owner(theta)):
-            values[here] = piece.derivative(own)
-        return values
+        return self.derivative_and_error(theta)[0]
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
         """Its slope and a bound on the slope's error."""
-        values = np.empty(np.shape(theta))
-        errors = np.empty(np.shape(theta))
-        for piece, own, here in self._parts(theta, self._owner(theta)):
-            values[here], errors[here] = piece.derivative_and_error(own)
-        return values, errors
+        slope, error = np.empty((2, *np.shape(theta)))
+        for piece, own, _, here in self._parts(theta):
+            slope[here], error[here] = piece.slopes(own)
+        return slope, error
 
-    def _owner(self, theta: Array) -> Index:
-        base = theta - TWO_PI * np.floor(theta / TWO_PI)
-        return np.searchsorted(self.starts, base, side="right") - 1
-
-    def _parts(self, theta: Array, owner: Index) -> Iterator[tuple[Piece, Array, Mask]]:
-        """Each piece that owns some of the angles, those as its own, and where they are."""
-        base = theta - TWO_PI * np.floor(theta / TWO_PI)
-        for i, piece in enumerate(self.pieces):
-            here = owner == i
+    def _parts(self, theta: Array) -> Iterator[tuple[Piece, Array, Array, Mask]]:
+        """Each piece that owns some of the angles, those as its own, their turns, and where they
+        are.
+        """
+        base, turns = within_turn(theta)
+        owner = np.searchsorted(self.starts, base, side="right") - 1
+        for index, piece in enumerate(self.pieces):
+            here = owner == index
             if here.any():
-                own = np.minimum(
-                    np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end
-                )
-                yield piece, own, here
+                own = np.clip(base[here] + TWO_PI * piece.shift, piece.start, piece.end)
+                yield piece, own, turns[here], here
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
         starts = self.starts.tolist()
         climb = TWO_PI * self.degree
-        rows: list[tuple[Lift, float, float, float, float]] = [
-            (piece.lift, TWO_PI * shift, piece.start, piece.end, climb * shift)
-            for piece, shift in zip(self.pieces, self.shift.tolist(), strict=True)
+        rows = [
+            (piece.scalar, TWO_PI * piece.shift, piece.start, piece.end, climb * piece.shift)
+            for piece in self.pieces
         ]
 
         def lift(theta: float) -> float:
             turns = floor(theta / TWO_PI)
             base = theta - TWO_PI * turns
-            one, ahead, start, end, risen = rows[bisect_right(starts, base) - 1]
-            return (
-                float(one(np.asarray(min(max(base + ahead, start), end)))) + climb * turns - risen
-            )
+            branch, ahead, start, end, risen = rows[bisect_right(starts, base) - 1]
+            return branch(min(max(base + ahead, start), end)) + climb * turns - risen
 
         return lift
 
@@ -376,13 +353,30 @@ def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]
             f"branches is {branches!r}: give a list of (start, end, lift, derivative), at least one"
         )
     pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
-    for i in range(1, len(pieces)):
-        gap = pieces[i].start - pieces[i - 1].end
+    _refuse_gaps(pieces)
+    # On [0, 2π) the branch that runs over 2π serves both at its end and at its start.
+    given = np.array([piece.start for piece in pieces])
+    seams = base_angles(given)
+    order = np.argsort(seams, kind="stable")
+    starts = seams[order]
+    shift = np.round((given - seams) / TWO_PI)
+    placed = [replace(pieces[i], shift=float(shift[i])) for i in order]
+    if starts[0] > 0.0:
+        starts = np.append(0.0, starts)
+        placed.insert(0, replace(placed[-1], shift=placed[-1].shift + 1.0))
+    exact = np.array([derivative is not None for _, _, _, derivative in branches])
+    breaks = seams[_differing(pieces, exact, degree)]
+    return BranchedLift(starts, tuple(placed), degree), breaks
+
+
+def _refuse_gaps(pieces: tuple[Piece, ...]) -> None:
+    for i, (before, after) in enumerate(pairwise(pieces), 1):
+        gap = after.start - before.end
         if abs(gap) > SNAP:
             kind = "a gap" if gap > 0.0 else "an overlap"
             raise InvalidInput(
-                f"branch {i} starts at {pieces[i].start:.12g} but branch {i - 1} ends at "
-                f"{pieces[i - 1].end:.12g}: {kind} of {abs(gap):.3g}; each branch must start where "
+                f"branch {i} starts at {after.start:.12g} but branch {i - 1} ends at "
+                f"{before.end:.12g}: {kind} of {abs(gap):.3g}; each branch must start where "
                 "the one before it ends"
             )
     span = pieces[-1].end - pieces[0].start
@@ -390,18 +384,6 @@ def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]
         raise InvalidInput(
             f"the branches span {span:.12g} radians: together they must cover one turn, 2π"
         )
-    # On [0, 2π) the branch that runs over 2π serves both at its end and at its start.
-    given = np.array([piece.start for piece in pieces])
-    seams = base_angles(given)
-    order = np.argsort(seams, kind="stable")
-    starts = seams[order]
-    shift = np.round((given - seams) / TWO_PI)[order]
-    placed = tuple(pieces[i] for i in order)
-    if starts[0] > 0.0:
-        starts = np.append(0.0, starts)
-        shift = np.append(shift[-1] + 1.0, shift)
-        placed = (placed[-1], *placed)
-    return BranchedLift(starts, placed, shift, degree), seams[_differing(pieces, degree)]
 
 
 def _piece(index: int, branch: Any) -> Piece:
@@ -423,22 +405,26 @@ def _piece(index: int, branch: Any) -> Piece:
             "start"
         )
 
-    piece = Piece(first, last, lift, derivative)
+    def slopes(theta: Array) -> tuple[Array, Array]:
+        if derivative is None:
+            return differences_between(lift, theta, theta - first, last - theta)
+        return with_rounding(derivative(theta))
+
+    piece = Piece(first, last, lift, slopes, lambda theta: float(lift(np.asarray(theta))))
     with np.errstate(all="ignore"):
-        checked_call(f"lift of branch {index}", piece.lift, piece.ends)
-        checked_call(f"derivative of branch {index}", piece.derivative, piece.ends)
+        checked_call(f"lift of branch {index}", lift, piece.ends)
+        checked_call(f"derivative of branch {index}", derivative or piece.derivative, piece.ends)
     return piece
 
 
-def _differing(pieces: tuple[Piece, ...], degree: int) -> Mask:
+def _differing(pieces: tuple[Piece, ...], exact: Mask, degree: int) -> Mask:
     """Whether value or slope differ at the start of each branch from those at the end of the one
-    before.
+    before; ``exact`` where the slopes are no differences.
     """
     ends = np.array([[piece.lift(piece.ends), piece.derivative(piece.ends)] for piece in pieces])
     after = ends[:, :, 0]
     before = np.roll(ends[:, :, 1], 1, axis=0)
     before[0, 0] -= TWO_PI * degree
-    exact = np.array([piece.given is not None for piece in pieces])
     slopes = np.where(exact & np.roll(exact, 1), _SAME_SLOPE, _SAME_DIFFERENCE)
     allowed = np.stack([np.full(exact.size, _SAME_VALUE), slopes], axis=1)
     return np.asarray(np.any(np.abs(after - before) > allowed * (1.0 + np.abs(after)), axis=1))

@@ -20,6 +20,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import distance_to_break
 
 _CLOSE = 2.0 * EPS  # share of |x| (plus a thousandth) at which a bracket is closed
 _STEPS = 120
@@ -33,48 +34,42 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
     nearer to zero.
     """
     index = np.arange(low.size)
-    a = low.astype(np.float64)
-    b = high.astype(np.float64)
-    fa = function(a, index)
-    fb = function(b, index)
-    answer = np.where(np.abs(fa) < np.abs(fb), a, b)
-    open_ = fa * fb < 0.0
-    index = index[open_]
-    a = a[open_]
-    b = b[open_]
-    fa = fa[open_]
-    fb = fb[open_]
+    bracket = np.stack([low, high, function(low, index), function(high, index)])
+    answer = _nearer_to_zero(bracket)
+    opposite = bracket[2] * bracket[3] < 0.0
+    index = index[opposite]
+    bracket = bracket[:, opposite]
     share = np.full(index.size, 0.5)
     for _ in range(_STEPS):
         if index.size == 0:
             break
+        a, b, fa, fb = bracket
         x = a + share * (b - a)
         fx = function(x, index)
         stays = np.sign(fx) == np.sign(fa)
-        c = np.where(stays, a, b)
-        fc = np.where(stays, fa, fb)
-        b = np.where(stays, b, a)
-        fb = np.where(stays, fb, fa)
-        a = x
-        fa = fx
-        answer[index] = np.where(np.abs(fa) < np.abs(fb), a, b)
-        reach = _CLOSE * (np.abs(a) + 1e-3) / np.maximum(np.abs(b - a), 1e-300)
+        c, fc = np.where(stays, (a, fa), (b, fb))
+        b, fb = np.where(stays, (b, fb), (a, fa))
+        bracket = np.stack([x, b, fx, fb])
+        answer[index] = _nearer_to_zero(bracket)
+        reach = _CLOSE * (np.abs(x) + 1e-3) / np.maximum(np.abs(b - x), 1e-300)
         with np.errstate(divide="ignore", invalid="ignore"):
-            xi = (a - b) / (c - b)
-            phi = (fa - fb) / (fc - fb)
+            xi = (x - b) / (c - b)
+            phi = (fx - fb) / (fc - fb)
             trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
+            share = fx / (fb - fx) * fc / (fb - fc) + (c - x) / (b - x) * fx / (fc - fx) * fb / (
                 fc - fb
             )
         share = np.clip(np.where(trusted & np.isfinite(share), share, 0.5), reach, 1.0 - reach)
-        go = (reach < 0.5) & (fa != 0.0)
-        index = index[go]
-        a = a[go]
-        b = b[go]
-        fa = fa[go]
-        fb = fb[go]
-        share = share[go]
+        goes_on = (reach < 0.5) & (fx != 0.0)
+        index = index[goes_on]
+        bracket = bracket[:, goes_on]
+        share = share[goes_on]
     return answer
+
+
+def _nearer_to_zero(bracket: Array) -> Array:
+    a, b, fa, fb = bracket
+    return np.asarray(np.where(np.abs(fa) < np.abs(fb), a, b))
 
 
 INSET = 1e-12  # radians: how far beside a break of an iterate its one-sided values are read
@@ -136,15 +131,15 @@ def taken(cells: Cells, index: Mask | Whole) -> Cells:
     return replace(cells, **{name: getattr(cells, name)[index] for name in _ARRAYS})
 
 
-def joined(parts: list[Cells]) -> Cells:
+def joined(groups: list[Cells]) -> Cells:
     """All the cells, sorted by start; both sides of every smooth node get the very same value, so
     no root is lost.
     """
     arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS
+        name: np.concatenate([getattr(cells, name) for cells in groups]) for name in _ARRAYS
     }
     order = np.argsort(arrays["start"])
-    cells = replace(parts[0], **{name: array[order] for name, array in arrays.items()})
+    cells = replace(groups[0], **{name: array[order] for name, array in arrays.items()})
     g_end = np.where(np.roll(cells.cut, -1), cells.g_end, np.roll(cells.g_start, -1))
     if not cells.cut[0]:
         g_end[-1] = cells.g_start[0] + cells.climb
@@ -168,6 +163,7 @@ def is_rising(cells: Cells) -> Mask:
     return np.where(trend == 0.0, cells.g_end > cells.g_start, trend > 0.0)
 
 
+RESOLUTION = 512  # cells a turn, at least
 MAX_CELLS = 2_000_000
 MAX_ROUGH = (
     8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
@@ -186,23 +182,16 @@ _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
 
 
 def monotone_cells(
-    circle_map: CircleMap, period: int, shift: float, resolution: int, marks: Sequence[float] = ()
+    circle_map: CircleMap,
+    period: int,
+    shift: float,
+    resolution: int = RESOLUTION,
+    marks: Sequence[float] = (),
 ) -> Cells:
     """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends
     of cells, too.
     """
-    breaks = circle_map.breaks
-    features = np.mod(marks, TWO_PI)
-    if period > 1:
-        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1
-        # cycles back.
-        once = monotone_cells(circle_map, 1, 0.0, resolution)
-        rising = is_rising(once)
-        narrow = once.end - once.start < _NARROW * TWO_PI / resolution
-        breaks = _pulled_back(circle_map, once, breaks, period)
-        special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
-        features = np.append(_pulled_back(circle_map, once, special, period), features)
-    nodes = _base_nodes(circle_map, breaks, features, resolution)
+    nodes, breaks = _first_nodes(circle_map, period, resolution, marks)
     start = nodes[:-1]
     end = nodes[1:]
     cut = np.isin(start, breaks)
@@ -213,40 +202,45 @@ def monotone_cells(
         cells, parts, rough = _evaluated(circle_map, start, end, cut, cut_end, period, shift)
         if period == 1 and np.count_nonzero(rough) > MAX_ROUGH:
             _refuse_rough(cells, rough)
-        done.append(taken(cells, parts == 1))
+        whole = parts == 1
+        done.append(taken(cells, whole))
+        if np.all(whole):
+            decided = joined(done)
+            if period == 1:
+                _refuse_hidden_jump(decided)
+            return _split_at_extrema(circle_map, decided)
+        count += int(np.count_nonzero(whole))
+        parts[whole] = 0
         owner = np.repeat(np.arange(start.size), parts)
-        rank = ranks(parts)
-        count += int(np.count_nonzero(parts == 1))
         if count + owner.size > MAX_CELLS:
             break
-        owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
-        if owner.size == 0:
-            found = joined(done)
-            width = found.end - found.start
-            rise = np.abs(found.g_end - found.g_start)
-            steepest = np.maximum(np.abs(found.slope_start), np.abs(found.slope_end))
-            jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
-            if period == 1 and np.any(jumps):
-                place = int(np.argmax(np.where(jumps, rise, 0.0)))
-                raise ConvergenceError(
-                    f"the lift jumps by {rise[place]:.6g} radians at θ = "
-                    f"{found.start[place]:.12g}, which is none of its breaks: give it in breaks"
-                )
-            return _split_at_extrema(circle_map, found)
-        share = parts[owner]
-        first = rank == 0
+        rank = ranks(parts)
         last = rank + 1 == parts[owner]
-        cut = cut[owner] & first
-        cut_end = cut_end[owner] & last
         low = start[owner]
-        step = (end - start)[owner]
-        start = low + step * (rank / share)
-        end = np.where(last, end[owner], low + step * ((rank + 1) / share))
+        step = (end - start)[owner] / parts[owner]
+        start = low + step * rank
+        end = np.where(last, end[owner], low + step * (rank + 1))
+        cut = cut[owner] & (rank == 0)
+        cut_end = cut_end[owner] & last
     raise ConvergenceError(
         f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all "
         f"near θ = {cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the "
         "break that is missing there"
     )
+
+
+def _refuse_hidden_jump(cells: Cells) -> None:
+    """Say where the lift jumps between two ends that its slopes do not let it."""
+    width = cells.end - cells.start
+    rise = np.abs(cells.g_end - cells.g_start)
+    steepest = np.maximum(np.abs(cells.slope_start), np.abs(cells.slope_end))
+    jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
+    if np.any(jumps):
+        place = int(np.argmax(np.where(jumps, rise, 0.0)))
+        raise ConvergenceError(
+            f"the lift jumps by {rise[place]:.6g} radians at θ = "
+            f"{cells.start[place]:.12g}, which is none of its breaks: give it in breaks"
+        )
 
 
 def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
@@ -292,37 +286,48 @@ def ranks(count: Whole) -> Whole:
 
 
 def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
-    found = latest = marks
+    latest = marks
     for _ in range(period - 1 if marks.size else 0):
-        known = found
-        angles = np.append(found, np.mod(preimages(circle_map, once, latest), TWO_PI))
+        known = marks
+        angles = np.append(known, np.mod(preimages(circle_map, once, latest), TWO_PI))
         # Sorted; of those that lie together the one given first.
         angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
         order = np.argsort(angles, kind="stable")
         fresh = np.flatnonzero(np.append(True, np.diff(angles[order]) > 8.0 * INSET))
-        found = angles[np.minimum.reduceat(order, fresh)]
-        latest = np.setdiff1d(found, known)
+        marks = angles[np.minimum.reduceat(order, fresh)]
+        latest = np.setdiff1d(marks, known)
         if latest.size == 0:
             break
-        if found.size > MAX_CELLS // 8:
+        if marks.size > MAX_CELLS // 8:
             raise ConvergenceError(
-                f"period {period} has more than {found.size} breaks or folds: ask for a shorter "
+                f"period {period} has more than {marks.size} breaks or folds: ask for a shorter "
                 "period"
             )
-    return found
+    return marks
 
 
-def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: int) -> Array:
+def _first_nodes(
+    circle_map: CircleMap, period: int, resolution: int, marks: Sequence[float]
+) -> tuple[Array, Array]:
+    """The ends of the first cells, and those of them that are breaks of the iterate."""
+    breaks = circle_map.breaks
+    features = np.mod(marks, TWO_PI)
+    if period > 1:
+        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1
+        # cycles back.
+        once = monotone_cells(circle_map, 1, 0.0, resolution)
+        rising = is_rising(once)
+        narrow = once.end - once.start < _NARROW * TWO_PI / resolution
+        breaks = _pulled_back(circle_map, once, breaks, period)
+        special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
+        features = np.append(_pulled_back(circle_map, once, special, period), features)
     grid = np.linspace(0.0, TWO_PI, resolution + 1)
     knots = circle_map.pieces.knots if circle_map.pieces is not None else np.zeros(0)
-    smooth = np.unique(np.concatenate([grid, knots, folds]))
-    if breaks.size:
-        around = np.concatenate([[-TWO_PI], breaks, [2.0 * TWO_PI]])
-        above = np.searchsorted(around, smooth)
-        nearest = np.minimum(around[above] - smooth, smooth - around[above - 1])
-        smooth = smooth[(nearest > 8.0 * INSET) | (smooth == 0.0) | (smooth == TWO_PI)]
+    smooth = np.unique(np.concatenate([grid, knots, features]))
+    near = distance_to_break(breaks, smooth) <= 8.0 * INSET
+    smooth = smooth[~near | (smooth == 0.0) | (smooth == TWO_PI)]
     nodes = np.union1d(smooth, breaks)
-    return np.asarray(nodes[np.append(np.diff(nodes) > 4.0 * INSET, True)])
+    return nodes[np.append(np.diff(nodes) > 4.0 * INSET, True)], breaks
 
 
 def _evaluated(
@@ -338,31 +343,28 @@ def _evaluated(
     meets.
     """
     width = end - start
-    size = start.size
-    here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
+    inset = INSET * np.stack([1.0 * cut, -1.0 * cut_end])
+    here = np.stack([start, end]) + inset
     image = here
     slope = np.ones_like(here)
-    longest = np.zeros(size)
+    longest = np.zeros(start.size)
     rounding = np.ones_like(here)
     for _ in range(period):
         steepness = circle_map.derivative(image)
         slope = slope * steepness
         rounding = np.abs(steepness) * rounding + 1.0
         image = circle_map(image)
-        steepest = np.maximum(np.abs(slope[:size]), np.abs(slope[size:])) * width
-        longest = np.maximum(longest, np.maximum(steepest, np.abs(image[size:] - image[:size])))
-    g = image - shift * here
+        steepest = np.max(np.abs(slope), axis=0) * width
+        longest = np.maximum(longest, np.maximum(steepest, np.abs(image[1] - image[0])))
     g_slope = slope - shift
-    g = g + INSET * g_slope * np.concatenate([-1.0 * cut, 1.0 * cut_end])
-    split = (g[:size], g[size:], g_slope[:size], g_slope[size:])
-    cells = Cells(start, end, *split, cut, period, shift, circle_map.degree)
+    g = image - shift * here - inset * g_slope
+    ends = (g[0], g[1], g_slope[0], g_slope[1])
+    cells = Cells(start, end, *ends, cut, period, shift, circle_map.degree)
     parts = np.clip(np.ceil(longest / _LONGEST_IMAGE), 1, 64).astype(np.int64)
     ready = np.flatnonzero((parts == 1) & (width >= 32.0 * INSET))
-    noise = 8.0 * LIFT * (TWO_PI + np.abs(g)) * rounding
-    rough = np.zeros(size, dtype=bool)
-    rough[ready] = _unclear(
-        circle_map, taken(cells, ready), np.maximum(noise[:size], noise[size:])[ready]
-    )
+    noise = 8.0 * LIFT * np.max((TWO_PI + np.abs(g)) * rounding, axis=0)
+    rough = np.zeros(start.size, dtype=bool)
+    rough[ready] = _unclear(circle_map, taken(cells, ready), noise[ready])
     parts[rough] = 2
     parts[width < 32.0 * INSET] = 1
     return cells, parts, rough
@@ -409,18 +411,19 @@ def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
     """All θ in [0, 2π] with g(θ) = level + 2πw for some w, level after level of ``levels``, shape
     (m,), radians.
     """
-    found = [np.zeros(0)]
+    roots = [np.zeros(0)]
     for first in range(0, levels.size, _LEVELS_AT_ONCE):
-        some = levels[first : first + _LEVELS_AT_ONCE]
-        start, end = (
-            np.floor((g - some[:, None]) / TWO_PI).astype(np.int64)
-            for g in (cells.g_start, cells.g_end)
-        )
+        chosen = levels[first : first + _LEVELS_AT_ONCE]
+        start, end = (whole_turns(g - chosen[:, None]) for g in (cells.g_start, cells.g_end))
         level, cell = np.nonzero(start != end)
-        found.append(
-            solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0]
-        )
-    return np.concatenate(found)
+        turns = (start[level, cell], end[level, cell])
+        roots.append(solved(circle_map, cells, cell, chosen[level], *turns)[0])
+    return np.concatenate(roots)
+
+
+def whole_turns(g: Array) -> Whole:
+    """The whole turns below each value."""
+    return np.floor(g / TWO_PI).astype(np.int64)
 
 
 def solved(

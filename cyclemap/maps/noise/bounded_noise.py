@@ -22,13 +22,6 @@ class UniformNoise:
     halfwidth : float
         h, radians, above zero; wrapped round the circle the noise overlaps itself where h > π.
 
-    Attributes
-    ----------
-    variance : float
-        h²/3, radians².
-    jump : float
-        h, where the density jumps to nothing.
-
     Raises
     ------
     InvalidInput
@@ -53,12 +46,12 @@ class UniformNoise:
 
     @property
     def variance(self) -> float:
-        """h²/3."""
+        """h²/3, radians²."""
         return self.halfwidth**2 / 3.0
 
     @property
     def jump(self) -> float:
-        """h."""
+        """h, where the density jumps to nothing, radians."""
         return self.halfwidth
 
     def coefficients(self, m: ArrayLike) -> Array:

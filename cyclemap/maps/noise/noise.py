@@ -5,6 +5,7 @@ noise.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -112,8 +113,6 @@ class WrappedNormal:
 
     Attributes
     ----------
-    variance : float
-        σ², radians².
     jump : float
         0: the density is smooth.
 
@@ -141,7 +140,7 @@ class WrappedNormal:
 
     @property
     def variance(self) -> float:
-        """σ²."""
+        """σ², radians²."""
         return self.sigma**2
 
     def coefficients(self, m: ArrayLike) -> Array:
@@ -157,10 +156,9 @@ class WrappedNormal:
         """The normal density, per radian, or the sum over its images on the circle;
         rounding only."""
         if not lifted and self.sigma >= _WIDE:
-            waves = np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficients(_ORDERS)
-            return np.asarray((1.0 + 2.0 * waves) / TWO_PI)
+            return (1.0 + 2.0 * self._waves(np.cos, x, np.ones_like(_ORDERS))) / TWO_PI
         if not lifted:
-            return np.asarray(sum(self.density(image, True) for image in self._images(x)))
+            return self._summed(self.density, x)
         # In place: kernels between thousands of nodes are large, and fresh memory is slower than
         # the arithmetic.
         density = np.array(x, dtype=np.float64)
@@ -174,12 +172,9 @@ class WrappedNormal:
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``: on the line -x/σ² times it."""
         if not lifted and self.sigma >= _WIDE:
-            waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (
-                _ORDERS * self.coefficients(_ORDERS)
-            )
-            return np.asarray(-waves / np.pi)
+            return self._waves(np.sin, x, -_ORDERS) / np.pi
         if not lifted:
-            return np.asarray(sum(self.slope(image, True) for image in self._images(x)))
+            return self._summed(self.slope, x)
         distance = np.asarray(x, dtype=np.float64)
         return np.asarray(-distance / self.sigma**2 * self.density(distance, True))
 
@@ -192,15 +187,12 @@ class WrappedNormal:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
         if self.sigma >= _WIDE:
             half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
-            across = np.cos(np.multiply.outer(reduced(low + half), _ORDERS))
-            across = across * np.sin(np.multiply.outer(half, _ORDERS))
-            waves = across @ (self.coefficients(_ORDERS) / _ORDERS)
-            return np.asarray((half + 2.0 * waves) / np.pi)
+            chords = np.sin(np.multiply.outer(half, _ORDERS)) / _ORDERS
+            return (half + 2.0 * self._waves(np.cos, low + half, chords)) / np.pi
         near, beyond = folded(low, high)
         above = self.exceedance(beyond)
-        total = np.where(
-            near < 0.0, 1.0 - self.exceedance(-near) - above, self.exceedance(near) - above
-        )
+        within = np.where(near < 0.0, 1.0 - self.exceedance(-near), self.exceedance(near))
+        total = np.asarray(within - above)
         for turn in range(1, 2 + int(np.ceil(9.0 * self.sigma / TWO_PI))):
             shift = TWO_PI * turn
             total += self.exceedance(shift + near) - self.exceedance(shift + beyond)
@@ -211,10 +203,16 @@ class WrappedNormal:
         """Normal draws, radians, not wrapped."""
         return rng.normal(0.0, self.sigma, size)
 
-    def _images(self, x: ArrayLike) -> list[Array]:
-        """All x + 2πk near enough to count."""
+    def _waves(self, wave: np.ufunc, x: ArrayLike, weights: Array) -> Array:
+        """The sum over k of κ_k weights_k wave(kx)."""
+        waves = wave(np.multiply.outer(reduced(x), _ORDERS))
+        return np.asarray((weights * waves) @ self.coefficients(_ORDERS))
+
+    def _summed(self, function: Callable[[Array, bool], Array], x: ArrayLike) -> Array:
+        """The sum over all x + 2πk near enough to count."""
         reach = int(np.ceil((TWO_PI + 9.0 * self.sigma) / TWO_PI))
-        return [reduced(x) + TWO_PI * turn for turn in range(-reach, reach + 1)]
+        turns = TWO_PI * np.arange(-reach, reach + 1)
+        return np.asarray(sum(function(reduced(x) + turn, True) for turn in turns.tolist()))
 
 
 def reduced(x: ArrayLike) -> Array:
@@ -243,8 +241,6 @@ class WrappedCauchy:
 
     Attributes
     ----------
-    variance : float
-        Infinite: a Cauchy law has none.
     jump : float
         0: the density is smooth.
 
@@ -311,11 +307,10 @@ class WrappedCauchy:
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``."""
         gap = np.asarray(x, dtype=np.float64)
+        square = self.density(gap, lifted) ** 2
         if lifted:
-            scaled = gap / self._scale
-            return np.asarray(-2.0 * scaled / (np.pi * self._scale**2 * (1.0 + scaled**2) ** 2))
-        distance = (1.0 - self.r) ** 2 + 4.0 * self.r * np.sin(0.5 * gap) ** 2
-        return np.asarray(-(1.0 - self.r**2) * 2.0 * self.r * np.sin(gap) / (TWO_PI * distance**2))
+            return np.asarray(-2.0 * np.pi / self._scale * gap * square)
+        return np.asarray(-2.0 * TWO_PI * self.r / (1.0 - self.r**2) * np.sin(gap) * square)
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""

@@ -317,7 +317,7 @@ def variation_of_expanding(circle_map: CircleMap) -> float:
             bent = max(bent, float(np.max(rate)))
             if np.any(contraction[1:] * contraction[:-1] < 0.0):
                 inverse = np.inf
-        inverse = inverse + _SAMPLED * bent * TWO_PI / _SAMPLES if np.isfinite(inverse) else inverse
+        inverse += _SAMPLED * bent * TWO_PI / _SAMPLES
         parts = 2.0 * inverse if iterate.breaks.size else inverse
         constant = _SAMPLED * bent
         if iterate.breaks.size:

@@ -4,7 +4,7 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, Self
@@ -18,7 +18,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.wave_integrals import wave_integrals
-from cyclemap.maps.quadrature import circle_rule
+from cyclemap.maps.quadrature import arc_rule
 
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications of plain sums: how fine a map may be for its noise
@@ -124,11 +124,19 @@ class WavesInBlocks:
         if self.angles.size <= step:
             return iter([self._only_block])
         parts = (slice(at, at + step) for at in range(0, self.angles.size, step))
-        return ((part, waves(self.angles[part], self.modes)) for part in parts)
+        return ((stretch, waves(self.angles[stretch], self.modes)) for stretch in parts)
 
     @cached_property
     def _only_block(self) -> Waves:
         return slice(0, self.angles.size), waves(self.angles, self.modes)
+
+    def combined(self, factors: Array) -> Array:
+        """(m,) or (m, k): at every angle the waves times ``factors`` (n,) or (n, k), added up."""
+        return np.concatenate([rows.T @ factors for _, rows in self])
+
+    def summed(self, mass: Array) -> Array:
+        """(n,) or (n, k): every wave times ``mass`` (m,) or (m, k), added up over the angles."""
+        return np.asarray(np.sum([rows @ mass[stretch] for stretch, rows in self], axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,9 +205,9 @@ class FourierDiscretisation:
         rows *= self._scale[:, None]
         return rows.T
 
-    def slope(self, theta: Array) -> Array:
-        """(m, n): the derivatives of the basis functions."""
-        return (self._turned(waves(theta, self.modes)) * self._scale[:, None]).T
+    def slope(self, theta: Array, law: Array) -> Array:
+        """(m,): the derivative at the angles of the density with coefficients ``law``."""
+        return self.dual(theta, self._turned_back(self._scale * law))
 
     def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
@@ -223,7 +231,7 @@ class FourierDiscretisation:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as
         smooth as F.
         """
-        return circle_rule(self.map, self.modes, self.finer)
+        return arc_rule(self.map, 0.0, TWO_PI, self.modes, self.finer)
 
     @cached_property
     def kappa(self) -> Array:
@@ -256,13 +264,11 @@ class FourierDiscretisation:
         at ``at``.
         """
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
-        # Turning the few factors back is the same as turning the many waves, and costs nothing.
-        back = -self._turned(_times(self.kappa, dual))
-        return np.concatenate([after.T @ back for _, after in images])
+        return images.combined(self._turned_back(_times(self.kappa, dual)))
 
     def dual(self, theta: Array, dual: Array) -> Array:
         """(m, k): at the angles, the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
-        return np.concatenate([here.T @ dual for _, here in WavesInBlocks(theta, self.modes)])
+        return WavesInBlocks(theta, self.modes).combined(dual)
 
     def backward(self, theta: Array, dual: Array) -> Array:
         """(m, k): E z(F(θ) + ξ) at the angles for the functions z with the integrals ``dual`` (n,
@@ -276,24 +282,18 @@ class FourierDiscretisation:
 
     def integrals(self, theta: Array, mass: Array) -> Array:
         """(n,): Σ mass φ_j(θ) over the angles."""
-        blocks = WavesInBlocks(theta, self.modes)
-        return np.asarray(
-            self._scale * np.sum([here @ mass[part] for part, here in blocks], axis=0)
-        )
+        return self._scale * WavesInBlocks(theta, self.modes).summed(mass)
 
     def on_nodes(self, law: Array) -> Array:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
-        return np.concatenate([before.T @ _times(self._scale, law) for _, before in self._before])
+        return self._before.combined(_times(self._scale, law))
 
     def carried(self, density: Array) -> Array:
         """(n,): coefficients after one cycle of the density with these values at the nodes of
         ``rule``.
         """
         _, weight = self.rule
-        moments = np.sum(
-            [after @ _times(weight[part], density[part]) for part, after in self._after], axis=0
-        )
-        return _times(self.kappa, moments)
+        return _times(self.kappa, self._after.summed(_times(weight, density)))
 
     def refined(self) -> FourierDiscretisation:
         """The same with every mode that the noise lets through and twice as many nodes: for
@@ -305,9 +305,9 @@ class FourierDiscretisation:
 
     def padded(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
         """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
-        part = np.split(coefficients, [1, coarse.modes + 1])
+        stretch = np.split(coefficients, [1, coarse.modes + 1])
         rest = np.zeros((self.modes - coarse.modes, *np.shape(coefficients)[1:]))
-        return np.concatenate([part[0], part[1], rest, part[2], rest])
+        return np.concatenate([stretch[0], stretch[1], rest, stretch[2], rest])
 
     def cut(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
         """The coefficients of the modes that a ``coarse`` basis has too."""
@@ -315,20 +315,21 @@ class FourierDiscretisation:
             [coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]]
         )
 
-    def _turned(self, rows: Array) -> Array:
-        """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""
-        cosines = rows[1 : self.modes + 1]
-        sines = rows[self.modes + 1 :]
-        m = self.order[1 : self.modes + 1].reshape(-1, *(1,) * (rows.ndim - 1))
-        return np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])
+    def _turned_back(self, factors: Array) -> Array:
+        """Factors (n,) or (n, k) of waves as those of their derivatives: cos → -m sin, sin → m cos.
+
+        Turning the few factors back is the same as turning the many waves, and costs nothing.
+        """
+        constant, cosines, sines = np.split(_times(self.order, factors), [1, self.modes + 1])
+        return np.concatenate([constant, sines, -cosines])
 
     @cached_property
-    def _before(self) -> Iterable[Waves]:
+    def _before(self) -> WavesInBlocks:
         """Waves of the nodes θ."""
         return WavesInBlocks(self.rule[0], self.modes)
 
     @cached_property
-    def _after(self) -> Iterable[Waves]:
+    def _after(self) -> WavesInBlocks:
         """Waves of F(θ) at the nodes."""
         return WavesInBlocks(self.map(self.rule[0]), self.modes)
 

@@ -102,7 +102,7 @@ class SlowChain:
         turns = TWO_PI * np.floor(starts / TWO_PI)
         arcs = np.stack([starts - turns, ends - turns], axis=1)
         arcs, state = arcs[np.argsort(arcs[:, 0])], before[np.argsort(arcs[:, 0])]
-        return [read_only(arcs[state == one]) for one in range(self.values.size)]
+        return [read_only(arcs[state == index]) for index in range(self.values.size)]
 
 
 def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) -> SlowChain | None:
@@ -126,15 +126,7 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
     left = (complex_left * np.conj(largest) / np.abs(largest)).real
     left[:, 0] = basis.mass
     functions = basis.backward(grid, left) / values
-    # Vertices of the simplex: the farthest from the mean, then the farthest from the span of those
-    # before.
-    rest = functions - functions.mean(axis=0)
-    chosen = [int(np.argmax(np.linalg.norm(rest, axis=1)))]
-    rest = functions - functions[chosen[0]]
-    for _ in range(slow[-1] - 1):
-        chosen.append(int(np.argmax(np.linalg.norm(rest, axis=1))))
-        along = rest[chosen[-1]] / np.linalg.norm(rest[chosen[-1]])
-        rest = rest - np.multiply.outer(rest @ along, along)
+    chosen = _simplex_vertices(functions)
     # Each where the chance of being in its own state is the largest: on the grid, then nearer and
     # nearer.
     states = np.arange(slow[-1])
@@ -152,6 +144,20 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
             ]
         weight = np.linalg.inv(basis.backward(vertices, left) / values)
     return SlowChain(basis, values, left, np.asarray(weight, dtype=np.float64))
+
+
+def _simplex_vertices(points: Array) -> list[int]:
+    """Of points (n, m) in a simplex of m vertices those: the farthest from the mean, then the
+    farthest from the span of those before.
+    """
+    rest = points - points.mean(axis=0)
+    chosen = [int(np.argmax(np.linalg.norm(rest, axis=1)))]
+    rest = points - points[chosen[0]]
+    for _ in range(points.shape[1] - 1):
+        chosen.append(int(np.argmax(np.linalg.norm(rest, axis=1))))
+        along = rest[chosen[-1]] / np.linalg.norm(rest[chosen[-1]])
+        rest = rest - np.multiply.outer(rest @ along, along)
+    return chosen
 
 
 def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:

@@ -18,7 +18,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.lifts.circle_map import require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
+from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
 from cyclemap.maps.quadrature import arc_rule
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
@@ -63,10 +63,10 @@ class StationaryLaw:
         return self._solve(self.basis.uniform)
 
     def _solve(self, right: Array) -> Array:
-        found = self._inverse @ right
-        if not np.all(np.isfinite(found)):
+        solution = self._inverse @ right
+        if not np.all(np.isfinite(solution)):
             raise ConvergenceError(_NOT_UNIQUE)
-        return found
+        return solution
 
     def dual(self, moments: Array) -> Array:
         """w_j = ∫ z φ_j of the z with z - Pz = h - E h (Poisson's equation), from ``moments`` ∫ h
@@ -111,7 +111,7 @@ class FourierLaw(StationaryLaw):
 
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
-        return self.basis.slope(theta) @ self.coefficients
+        return self.basis.slope(theta, self.coefficients)
 
     @cached_property
     def error(self) -> tuple[FourierDiscretisation, Array, float, float]:
@@ -148,14 +148,10 @@ class FourierLaw(StationaryLaw):
         """
         basis, correction, _, remainder = self.error
         count = _GRID_FACTOR * basis.modes
-        spectrum = np.zeros(count // 2 + 1, dtype=np.complex128)
-        spectrum[0] = correction[0]
-        spectrum[1 : basis.modes + 1] = (
-            correction[1 : basis.modes + 1] - 1j * correction[basis.modes + 1 :]
-        )
-        return (
-            1.02 * float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI + remainder
-        )
+        spectrum = correction[: basis.modes + 1].astype(np.complex128)
+        spectrum[1:] -= 1j * correction[basis.modes + 1 :]
+        largest = float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI
+        return 1.02 * largest + remainder
 
     def _dual_bound(self, moments: Array) -> float:
         """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's
@@ -167,9 +163,9 @@ class FourierLaw(StationaryLaw):
         """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included."""
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
-        found = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
-        found += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
-        return found + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
+        error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
+        error += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
+        return error + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
     def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
@@ -220,14 +216,14 @@ class FourierLaw(StationaryLaw):
         basis = self.basis
         law = self.coefficients
         (fine, correction, _, _) = self.error
-        found = []
+        sums = []
         rounding = 0.0
         for theta, weight in rules or (basis.rule, fine.rule):
             values = checked_values(function, theta)
             mass = weight * basis.density(theta, law)
-            found.append(float(np.dot(mass, values)))
+            sums.append(float(np.dot(mass, values)))
             rounding = INTEGRAL * float(np.dot(np.abs(mass), np.abs(values)))
-        rough, value = found
+        rough, value = sums
         bound = abs(value - rough) + rounding
         bound += abs(float(np.dot(weight * values, fine.density(theta, correction))))
         moments = basis.integrals(theta, weight * values)
@@ -245,20 +241,17 @@ class FourierLaw(StationaryLaw):
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
         excess = values - 0.5 / np.pi
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-        found = np.sort(
+        crossings = np.sort(
             bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1])
         )
-        ends = np.append(found, found[0] + TWO_PI).tolist()
+        ends = np.append(crossings, crossings[0] + TWO_PI).tolist()
         basis = self.basis
-        rules = [
-            arc_rule(basis.map, a, b, basis.size // 2, every_sample=False)
-            for a, b in pairwise(ends)
-            if b > a
-        ]
-        parts = [
-            abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules
-        ]
-        return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
+        total = 0.0
+        for start, end in pairwise(ends):
+            if end > start:
+                theta, weight = arc_rule(basis.map, start, end, basis.modes, every_sample=False)
+                total += abs(float(weight @ (self.density(theta) - 0.5 / np.pi)))
+        return Estimate(0.5 * total, min(1.0, known))
 
     def diffusion(self) -> Estimate:
         """D = lim Var(θ_n)/2n, radians² a cycle, of the lifted path θ' = F(θ) + ξ; its bound is of
@@ -286,15 +279,13 @@ class FourierLaw(StationaryLaw):
         mass = weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
-        later = (basis.kappa * dual) @ waves(
-            basis.map(theta), basis.modes
-        )  # Pz, but for a constant
+        later = basis.backward(theta, dual)  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
-        found = 0.5 * correlated + basis.noise.variance * (
+        spread = 0.5 * correlated + basis.noise.variance * (
             0.5 + float(np.dot(mass, basis.expected_slope(dual)))
         )
         # Rounding is what the norm of (I - L)⁻¹ magnifies.
-        return Estimate(found, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(found)))
+        return Estimate(spread, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(spread)))
 
 
 def checked_values(function: Callable[[Array], Array], theta: Array) -> Array:

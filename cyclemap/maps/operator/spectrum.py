@@ -18,8 +18,10 @@ _WELL_CONDITIONED = 1e3
 _TRUSTED = (
     1.0 / 16.0
 )  # of the distance to the next: a bound to first order up to there leaves out no second order
-_SQUARINGS = 8
-_NO_ROWS = 1e-13  # rows that are no larger together are left out of powers
+_POWERS = 128
+_NO_ROWS = 1e-11  # rows that are no larger together are left out of powers
+_COLUMNS = 32  # random ones that show how large a power is
+_SURE = 4.0  # times their root mean square: a power is larger with a chance of 2e-13
 _ENOUGH = 1.01  # times a lower bound: an upper one as near as that is not sought any lower
 _SPACE = 48  # vectors after which the residuals of an Arnoldi iteration are first looked at
 _CONVERGED = 1e-13  # residual that ends it
@@ -66,12 +68,8 @@ def leading_values(basis: Discretisation, count: int) -> Complex:
     """The eigenvalues of largest modulus, 1 first, without vectors; fewer where the basis has
     fewer.
     """
-    deflated = _deflated(basis)
-    if basis.size <= _DENSE or 2 * count + 10 >= basis.size:
-        found = np.asarray(np.linalg.eigvals(deflated), dtype=np.complex128)
-    else:
-        found = _arnoldi(deflated, max(count, 8))[0]
-    return np.concatenate([[1.0 + 0.0j], found[_falling(found)]])[:count]
+    values, _ = _leading(_deflated(basis), max(count, 8))
+    return np.append(1.0 + 0.0j, values)[:count]
 
 
 def leading_spectrum(
@@ -82,25 +80,11 @@ def leading_spectrum(
     """
     deflated = _deflated(basis)
     wanted = max(count - 1, 8)
-    if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
-        from scipy.linalg import eig
-
-        solved = eig(deflated, left=True)
-        values, left, right = (np.asarray(array, dtype=np.complex128) for array in solved)
-        # As many as the iteration gives.
-        several = _falling(values)[: wanted + _COPIES]
-        values = values[several]
-        left = left[:, several].conj()
-        right = right[:, several]
-        left = _paired(values, right, values, left)
-    else:
-        # More than wanted, so that no eigenvalue loses a copy at the end.
-        values, right = _arnoldi(deflated, wanted + _COPIES)
-        left = _paired(values, right, *_arnoldi(deflated.T, wanted + _COPIES))
-    order = _falling(values)[:wanted]
-    values = values[order]
-    right = right[:, order]
-    left = left[:, order]
+    # More than wanted, so that no eigenvalue loses a copy at the end.
+    values, right = _leading(deflated, wanted + _COPIES)
+    left = _paired(values, right, *_leading(deflated.T, wanted + _COPIES))[:, :wanted]
+    values = values[:wanted]
+    right = right[:, :wanted]
     # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them
     # away.
     kept = np.abs(values) > _TOO_SMALL
@@ -136,8 +120,7 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     """|λ₂|, with the bounds of every eigenvalue that could be the second largest.
 
     Where one of those is not known, as near a defective eigenvalue, no more than that it lies
-    between the eigenvalues that are known and the least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., L₀ the
-    operator without its first eigenvalue.
+    between the eigenvalues that are known and ``_radius``.
     """
     moduli = np.abs(spectrum.values[1:])
     bounds = spectrum.error_bounds[1:]
@@ -148,35 +131,46 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     if np.isfinite(highest):
         return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
     least = max(0.0, float(np.max(moduli - bounds)))
-    most = 1.0
-    if np.isfinite(basis.left_out):
-        # With what the matrix and its products may be off.
-        power = _deflated(basis)
-        size = float(np.linalg.norm(power))
-        # Rows of fast waves, all but silenced by the noise, are taken as 0: powers keep them so.
-        rows = np.linalg.norm(power, axis=1)
-        order = np.argsort(rows)
-        silent = order[np.sqrt(np.cumsum(rows[order] ** 2)) <= _NO_ROWS]
-        kept = np.delete(np.arange(rows.size), silent)
-        off = (MATRIX * 4.0 + basis.left_out) * (1.0 + size) + _NO_ROWS
-        power = power[kept]
-        for doublings in range(_SQUARINGS):
-            most = min(most, (size + off) ** 0.5**doublings)
-            if most <= _ENOUGH * least or doublings == _SQUARINGS - 1:
-                break
-            off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
-            power = power[:, kept] @ power
-            size = float(np.linalg.norm(power))
+    most = _radius(basis, least) if np.isfinite(basis.left_out) else 1.0
     value = min(float(moduli[0]), most)
     return Estimate(value, max(value - least, most - value))
+
+
+def _radius(basis: Discretisation, least: float) -> float:
+    """A bound on every eigenvalue but the first: the least ‖L₀ⁿ‖^(1/n), L₀ the operator without it.
+
+    The norms by what the powers make of random columns (Halko, Martinsson & Tropp 2011). What the
+    matrix and its products may be off, E, makes of the nth power at most n K² E more, K the largest
+    of the powers before.
+    """
+    matrix = _deflated(basis)
+    # Rows of fast waves, all but silenced by the noise, are taken as 0: powers keep them so.
+    rows = np.linalg.norm(matrix, axis=1)
+    order = np.argsort(rows)
+    kept = np.sort(order[np.sqrt(np.cumsum(rows[order] ** 2)) > _NO_ROWS])
+    rounding = MATRIX * (4.0 + np.sqrt(basis.size))
+    off = float((rounding + basis.left_out) * (1.0 + np.linalg.norm(rows))) + _NO_ROWS
+    matrix = matrix[np.ix_(kept, kept)]
+    columns = np.random.default_rng(1).standard_normal((kept.size, _COLUMNS))
+    most = 1.0
+    largest = 1.0
+    for power in range(1, _POWERS + 1):
+        columns = matrix @ columns
+        size = _SURE * float(np.linalg.norm(columns)) / _COLUMNS**0.5
+        size += off * power * largest * largest
+        largest = max(largest, size)
+        most = min(most, size ** (1.0 / power))
+        if most <= _ENOUGH * least:
+            break
+    return most
 
 
 def mixing_time(second: Estimate) -> Estimate:
     """-1/ln|λ₂|, cycles, with the bound that follows from that of |λ₂|; inf where |λ₂| may be 1."""
     with np.errstate(divide="ignore"):
         moduli = np.clip([second.lower, second, second.upper], 0.0, 1.0)
-        low, found, high = (1.0 / np.abs(np.log(moduli))).tolist()
-    return Estimate(found, max(high - found, found - low) if np.isfinite(high) else float("inf"))
+        low, time, high = (1.0 / np.abs(np.log(moduli))).tolist()
+    return Estimate(time, max(high - time, time - low) if np.isfinite(high) else float("inf"))
 
 
 def _deflated(basis: Discretisation) -> Array:
@@ -187,6 +181,18 @@ def _deflated(basis: Discretisation) -> Array:
 def _falling(values: Complex) -> Whole:
     """Order by falling modulus, of a pair the one above the real line first."""
     return np.lexsort((-values.imag, -np.round(np.abs(values), 13)))
+
+
+def _leading(matrix: Array, count: int) -> tuple[Complex, Complex]:
+    """The leading eigenvalues and right vectors, in falling order: of a large matrix by Arnoldi's
+    iteration.
+    """
+    if matrix.shape[0] <= max(_DENSE, 2 * count + 10):
+        values, vectors = np.linalg.eig(matrix)
+    else:
+        values, vectors = _arnoldi(matrix, count)
+    order = _falling(values)[:count]
+    return values[order].astype(np.complex128), vectors[:, order].astype(np.complex128)
 
 
 def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
@@ -219,16 +225,16 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
                 space[along.size] = ahead / max(length, np.finfo(float).tiny)
         reached = min(goal, size)
         goal = 2 * goal
-        found, inside = np.linalg.eig(shape[:reached, :reached])
-        leading = _falling(found)[:count]
+        ritz, inside = np.linalg.eig(shape[:reached, :reached])
+        leading = _falling(ritz)[:count]
         outside = shape[reached : reached + _COPIES, :reached] @ inside[:, leading]
         left = float(np.max(np.linalg.norm(outside, axis=0)))
-    values = found[leading]
+    values = ritz[leading]
     vectors = space[:reached].T @ inside[:, leading]
     residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
     if residual > 1e-8:
         raise ConvergenceError(f"eigenvalues left a residual of {residual:.2g}: raise the noise")
-    return np.asarray(values, dtype=np.complex128), np.asarray(vectors, dtype=np.complex128)
+    return values, vectors
 
 
 def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> Complex:

@@ -270,11 +270,11 @@ class TransferOperator:
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        found = self.law.diffusion()
+        plain = self.law.diffusion()
         return (
-            found
-            if np.isinf(found)
-            else Estimate(found, abs(self._finer.diffusion() - found) + found.error_bound)
+            plain
+            if np.isinf(plain)
+            else Estimate(plain, abs(self._finer.diffusion() - plain) + plain.error_bound)
         )
 
     @cached_property
@@ -368,7 +368,7 @@ class TransferOperator:
                 arc_rule(self.map, start, end, self.modes, every_sample=False)
                 for start, end in arcs
             ]
-            theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+            theta, weight = (np.concatenate(column) for column in zip(*rules, strict=True))
             density = self.density(theta)
             share = Estimate(
                 float(weight @ density), self.error_bound * float(weight.sum()) + INTEGRAL

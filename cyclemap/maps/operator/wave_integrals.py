@@ -36,16 +36,7 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     # A power of two, for fast transforms, and so many that a block of nodes does not meet itself
     # around the circle.
     cells = 1 << (max(4 * modes, _BLOCK) + 2 * _SPREAD - 1).bit_length()
-    # A cell in two parts, the first so short that its multiples are exact: nodes keep all their
-    # digits.
-    coarse = float(np.float32(TWO_PI / cells))
-    fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
-    nearest = np.rint(theta * (cells / TWO_PI))
-    place = ((theta - nearest * coarse) - nearest * fine) * (cells / TWO_PI)
-    reach = np.arange(_SPREAD) - (_SPREAD // 2 - 1) - (place < 0.0)[:, None]
-    across = 1.0 - ((reach - place[:, None]) / _HALF) ** 2
-    window = np.i0(_BETA * np.sqrt(np.maximum(across, 0.0))) * (weight / np.i0(_BETA))[:, None]
-    first_cell = np.mod(nearest.astype(int) - (place < 0.0) - (_SPREAD // 2 - 1), cells)
+    first_cell, window = _windows(theta, weight, cells)
     in_order = np.argsort(first_cell, kind="stable")
     image = image[in_order]
     blocks = _blocks(first_cell[in_order], window[in_order])
@@ -63,7 +54,7 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     for power in range(1, rows):
         powers[:, power] = powers[:, power - 1] * step
     jump = powers[:, -1] * step
-    found = np.empty((2 * modes + 1, 2 * modes + 1))
+    integrals = np.empty((2 * modes + 1, 2 * modes + 1))
     for first in range(0, modes + 1, rows):
         several = powers[:, : modes + 1 - first]
         gathered = np.zeros((cells, several.shape[1]), dtype=np.complex128)
@@ -75,12 +66,26 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
         rising = undone[:, None] * along[-order]
         both = np.concatenate([0.5 * (rising + falling), -0.5j * (rising - falling)[1:]]).T
         last = first + len(both)
-        found[first:last] = both.real
+        integrals[first:last] = both.real
         # No row for the sine of order 0.
         skipped = int(first == 0)
-        found[modes + first + skipped : modes + last] = both.imag[skipped:]
+        integrals[modes + first + skipped : modes + last] = both.imag[skipped:]
         powers *= jump[:, None]
-    return found
+    return integrals
+
+
+def _windows(theta: Array, weight: Array, cells: int) -> tuple[Array, Array]:
+    """The first of the cells that each node is spread over, and what of its weight each gets."""
+    # A cell in two parts, the first so short that its multiples are exact: nodes keep all their
+    # digits.
+    coarse = float(np.float32(TWO_PI / cells))
+    fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
+    nearest = np.rint(theta * (cells / TWO_PI))
+    place = ((theta - nearest * coarse) - nearest * fine) * (cells / TWO_PI)
+    reach = np.arange(_SPREAD) - (_SPREAD // 2 - 1) - (place < 0.0)[:, None]
+    across = 1.0 - ((reach - place[:, None]) / _HALF) ** 2
+    window = np.i0(_BETA * np.sqrt(np.maximum(across, 0.0))) * (weight / np.i0(_BETA))[:, None]
+    return np.mod(nearest.astype(int) + reach[:, 0], cells), window
 
 
 def _blocks(first_cell: Array, window: Array) -> list[tuple[Array, slice, Array]]:

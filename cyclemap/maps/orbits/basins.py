@@ -22,7 +22,6 @@ from cyclemap.maps.orbits.periodic_points import (
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle
 MAX_ARCS = 50_000
-_RESOLUTION = 512
 _LOCAL = 1024  # points between a stable point and the next periodic ones
 _PARTS = 64  # into which a bracket is cut at each step
 _LINEAR = 1e-8  # radians: this near a stable point the iterate contracts towards it
@@ -135,51 +134,52 @@ def basins(
     orbits = []
     immediate = []
     for period in range(1, longest + 1):
-        stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
-        if stable:
-            cells = monotone_cells(circle_map, period, 0.0, _RESOLUTION)
-            found = periodic_points(circle_map, period)
-            orbits += stable
-            immediate += [
-                np.array(
-                    [
-                        _immediate_arc(circle_map, cells, found, orbit, float(p))
-                        for p in orbit.points
-                    ]
-                )
-                for orbit in stable
+        stable = [orbit for orbit in periodic_orbits(circle_map, period) if orbit.stable]
+        if not stable:
+            continue
+        cells = monotone_cells(circle_map, period, 0.0)
+        points = periodic_points(circle_map, period)
+        for orbit in stable:
+            rows = [
+                _immediate_arc(circle_map, cells, points, orbit, point)
+                for point in orbit.points.tolist()
             ]
+            orbits.append(orbit)
+            immediate.append(read_only(rows))
     if not orbits:
         return ()
-    arcs, owner = _all_preimages(circle_map, immediate, share, most)
-    covered = np.bincount(owner, arcs[:, 1] - arcs[:, 0], len(orbits)) / TWO_PI
-    undecided = max(0.0, 1.0 - float(covered.sum()))
+    every = _all_preimages(circle_map, immediate, share, most)
+    undecided = max(0.0, 1.0 - _share(every))
     made = []
-    for number, orbit in enumerate(orbits):
-        own = arcs[owner == number]
+    for index, (orbit, arcs) in enumerate(zip(orbits, immediate, strict=True)):
+        own = every[every[:, 2] == index, :2]
         rounding = ANGLE * own.size / TWO_PI
-        measure = Estimate(min(float(covered[number]), 1.0), undecided + rounding)
-        rows = read_only(own[np.argsort(own[:, 0])])
-        made.append(Basin(orbit, read_only(immediate[number]), rows, measure, undecided))
+        measure = Estimate(min(_share(own), 1.0), undecided + rounding)
+        made.append(Basin(orbit, arcs, read_only(own[np.argsort(own[:, 0])]), measure, undecided))
     return tuple(made)
 
 
+def _share(arcs: Array) -> float:
+    """Of the circle, that the arcs cover."""
+    return float(np.sum(arcs[:, 1] - arcs[:, 0])) / TWO_PI
+
+
 def _immediate_arc(
-    circle_map: CircleMap, cells: Cells, found: PeriodicPoints, orbit: Orbit, point: float
+    circle_map: CircleMap, cells: Cells, points: PeriodicPoints, orbit: Orbit, point: float
 ) -> tuple[float, float]:
     """The largest arc around ``point`` into which the iterate carries it, towards the point."""
     # The points of the line, up to a turn away, that the same lift Fⁿ - 2πw fixes.
-    winding = int(found.winding[np.argmin(np.abs(found.theta - point))])
+    winding = int(points.winding[np.argmin(np.abs(points.theta - point))])
     laps = np.array([-1, 0, 1])[:, None]
-    climb = circle_map.degree**found.period - 1
-    fixed = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
+    climb = circle_map.degree**points.period - 1
+    fixed = (points.theta + TWO_PI * laps)[points.winding + climb * laps == winding]
     below = max([point - TWO_PI, *fixed[fixed < point - _LINEAR]])
     above = min([point + TWO_PI, *fixed[fixed > point + _LINEAR]])
 
     def local(theta: Array) -> Array:
         """The lift Fⁿ - 2πw, or its square, which fixes the point."""
         for _ in range(2 if min(orbit.multiplier, orbit.left_multiplier) <= 0.0 else 1):
-            theta = iterate(circle_map, theta, found.period) - TWO_PI * winding
+            theta = iterate(circle_map, theta, points.period) - TWO_PI * winding
         return theta
 
     # A grid between the limits, and the ends of the iterate's monotone cells, both sides of its
@@ -239,42 +239,32 @@ def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
 
 def _all_preimages(
     circle_map: CircleMap, immediate: list[Array], left_over: float, most: int
-) -> tuple[Array, Whole]:
-    """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
-    cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
-    start = np.concatenate(immediate)
+) -> Array:
+    """All arcs of all basins, (start, end, index of the basin); the longest are pulled back
+    first.
+    """
+    cells = monotone_cells(circle_map, 1, 0.0)
+    start = np.concatenate([np.insert(arcs, 2, index, 1) for index, arcs in enumerate(immediate)])
+    every = start
     waiting = start
-    mark = np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
-    found = [start]
-    marks = [mark]
-    covered = float(np.sum(start[:, 1] - start[:, 0]))
     for _ in range(_BATCHES):
-        if (
-            waiting.size == 0
-            or covered >= TWO_PI * (1.0 - left_over)
-            or sum(map(len, found)) > most
-        ):
+        if waiting.size == 0 or _share(every) >= 1.0 - left_over or len(every) > most:
             break
-        order = np.argsort(waiting[:, 0] - waiting[:, 1])
-        now, later = np.split(order, [max(_BATCH, order.size // 4)])
+        waiting = waiting[np.argsort(waiting[:, 0] - waiting[:, 1])]
+        now, later = np.split(waiting, [max(_BATCH, len(waiting) // 4)])
         # The arcs that F maps into those: between preimages of their ends, and breaks.
-        theta = np.mod(
-            preimages(circle_map, cells, np.unique(np.mod(waiting[now].ravel(), TWO_PI))), TWO_PI
-        )
+        ends = np.unique(np.mod(now[:, :2].ravel(), TWO_PI))
+        theta = np.mod(preimages(circle_map, cells, ends), TWO_PI)
         edges = np.unique(np.concatenate([theta, circle_map.breaks]))
-        new = np.stack([edges, np.append(edges[1:], edges[:1] + TWO_PI)], axis=1)
-        holder = _holder(waiting[now], circle_map(np.mean(new, axis=1)))
-        new = new[holder >= 0]
-        new_mark = mark[now][holder[holder >= 0]]
-        fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (
-            _holder(start, np.mean(new, axis=1)) < 0
-        )
-        found.append(new[fresh])
-        marks.append(new_mark[fresh])
-        covered += float(np.sum(new[fresh, 1] - new[fresh, 0]))
-        waiting = np.concatenate([waiting[later], new[fresh]])
-        mark = np.append(mark[later], new_mark[fresh])
-    return np.concatenate(found), np.concatenate(marks)
+        after = np.append(edges[1:], edges[:1] + TWO_PI)
+        middle = 0.5 * (edges + after)
+        holder = _holder(now, circle_map(middle))
+        wide = after - edges > 1e-3 * left_over * TWO_PI
+        fresh = (holder >= 0) & wide & (_holder(start, middle) < 0)
+        new = np.column_stack([edges, after, now[holder, 2]])[fresh]
+        every = np.concatenate([every, new])
+        waiting = np.concatenate([later, new])
+    return every
 
 
 def _holder(arcs: Array, theta: Array) -> Whole:

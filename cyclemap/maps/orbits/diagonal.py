@@ -13,9 +13,16 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import nearest_on_circle
-from cyclemap.maps.lifts.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
+from cyclemap.maps.lifts.scan import (
+    INSET,
+    Cells,
+    is_continuous,
+    is_rising,
+    iterate,
+    monotone_cells,
+    whole_turns,
+)
 
-RESOLUTION = 512  # cells a turn, at least
 TANGENCY = 1e-12  # radians: extrema and ends of jumps this near a whole turn touch it
 # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
 _IDENTITY = 1e-11
@@ -60,6 +67,7 @@ class DiagonalScan:
     each a list of (θ, w).
     """
 
+    map: CircleMap
     cells: Cells
     turn_start: Whole
     turn_end: Whole
@@ -100,15 +108,16 @@ def displacement(
 
 def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     """The crossings of Fⁿ - id with 2πw: touches within ``TANGENCY`` are set apart."""
-    cells = monotone_cells(circle_map, period, 1.0, RESOLUTION)
+    cells = monotone_cells(circle_map, period, 1.0)
     _refuse_identity(circle_map, cells)
-    scan = DiagonalScan(cells, _whole_turns(cells.g_start), _whole_turns(cells.g_end))
+    scan = DiagonalScan(circle_map, cells, whole_turns(cells.g_start), whole_turns(cells.g_end))
     joined = is_continuous(cells)
     tolerance, seeds = _tolerance(circle_map, cells, joined)
+    ends = _Ends(cells, joined, tolerance)
     settled: set[int] = set()
     for seed in seeds.tolist():
         if seed not in settled:
-            settled.update(_settled(scan, joined, tolerance, seed))
+            settled.update(_settled(scan, ends, seed))
     # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
     met = dict.fromkeys(scan.border)
     for i in np.flatnonzero(~joined):
@@ -119,10 +128,6 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
             if (theta, w) not in met:
                 scan.jumps.append(JumpCrossing(theta, w, before > after))
     return scan
-
-
-def _whole_turns(g: Array) -> Whole:
-    return np.floor(g / TWO_PI).astype(np.int64)
 
 
 def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
@@ -166,7 +171,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     after = cells.g_start[special]
     before = np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
     inside = cells.start[special] + INSET * cells.cut[special]
-    _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
+    _, _, rounding = displacement(circle_map, inside, cells.period, whole_turns(after))
     allowed = (
         TANGENCY
         + rounding
@@ -201,61 +206,82 @@ def _gap(g: Array) -> Array:
     return np.abs(g - TWO_PI * np.round(g / TWO_PI))
 
 
-def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """The ends of all cells, counted on round the circle: the start of cell 0, its end, the start
+    of cell 1, ...; after ``size`` of them a lap is full.
+
+    joined : whether g is continuous at the start of each cell.
+    tolerance : how far from a whole turn each end still counts as on it.
+    """
+
+    cells: Cells
+    joined: Mask
+    tolerance: Array
+
+    @property
+    def size(self) -> int:
+        return self.tolerance.size
+
+    def height(self, end: int) -> float:
+        """g there."""
+        laps, place = divmod(end, self.size)
+        values = self.cells.g_end if place % 2 else self.cells.g_start
+        return float(values[place // 2]) + self.cells.climb * laps
+
+    def starts(self, end: int, which: Mask) -> bool:
+        """Whether the end is the start of a cell of which that holds."""
+        return end % 2 == 0 and bool(which[end // 2 % which.size])
+
+    def point(self, end: int, turns: int, lap: int) -> tuple[float, int]:
+        """The angle of the end in [0, 2π), and ``turns`` as they are counted there."""
+        laps, place = divmod(end, self.size)
+        if place == self.size - 1:
+            return 0.0, turns - lap * (laps + 1)
+        thetas = self.cells.end if place % 2 else self.cells.start
+        return float(thetas[place // 2]), turns - lap * laps
+
+    def reached(self, seed: int, step: int, turns: int) -> tuple[int, bool | None]:
+        """The last end from ``seed`` this way that lies on so many whole turns, and whether g then
+        lies above them; None at a jump.
+        """
+        end = seed
+        for _ in range(self.size):
+            if self.starts(max(end, end + step), ~self.joined):
+                return end, None
+            off = self.height(end + step) - TWO_PI * turns
+            if abs(off) > self.tolerance[(end + step) % self.size]:
+                return end, off > 0.0
+            end += step
+        return end, None
+
+
+def _settled(scan: DiagonalScan, ends: _Ends, seed: int) -> list[int]:
     """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the
     run.
-
-    Ends are counted on round the circle: end e of the line is end e mod 2·size, moved on by whole
-    laps.
     """
-    cells = scan.cells
-    ends = tolerance.size
-    g = np.stack([cells.g_start, cells.g_end], axis=1).ravel()
-    w = round(float(g[seed]) / TWO_PI)
-
-    def reached(step: int) -> tuple[int, bool | None]:
-        """The last end of the run this way, and whether g then lies above the line;
-        None at a jump."""
-        e = seed
-        for _ in range(ends):
-            later = max(e, e + step)
-            if later % 2 == 0 and not joined[later // 2 % joined.size]:
-                return e, None
-            laps, place = divmod(e + step, ends)
-            off = float(g[place]) + cells.climb * laps - TWO_PI * w
-            if abs(off) > tolerance[place]:
-                return e, off > 0.0
-            e += step
-        return e, None
-
-    def record(found: list[tuple[float, int]], e: int) -> None:
-        laps, place = divmod(e, ends)
-        wraps = place == ends - 1
-        theta = 0.0 if wraps else float((cells.end if place % 2 else cells.start)[place // 2])
-        found.append((theta, w - scan.lap * (laps + wraps)))
-
-    (low, below), (high, beyond) = reached(-1), reached(1)
-    # whether g lies above the line at the ends before and from the split
+    w = round(ends.height(seed) / TWO_PI)
+    low, below = ends.reached(seed, -1, w)
+    high, beyond = ends.reached(seed, 1, w)
+    run = range(low, high + 1)
+    # Whether g lies above the line at the ends before and from the split.
     split = high + 1
     sides = (below, below)
     if below is None or beyond is None:
         sides = (bool(beyond), False) if below is None else (below, False)
-        record(scan.border, low if below is None else high)
+        scan.border.append(ends.point(low if below is None else high, w, scan.lap))
     elif below == beyond:
-        height = [float(g[e % ends]) + cells.climb * (e // ends) for e in range(low, high + 1)]
-        record(scan.touch, low + int(np.argmin(height) if below else np.argmax(height)))
+        extremum = (min if below else max)(run, key=ends.height)
+        scan.touch.append(ends.point(extremum, w, scan.lap))
     else:
-        kinks = [
-            e for e in range(low + 1, high + 1) if e % 2 == 0 and cells.cut[e // 2 % joined.size]
-        ]
+        sides = (below, beyond)
+        kinks = [end for end in run[1:] if ends.starts(end, scan.cells.cut)]
         # On no kink the root is sought in the run's middle cell: where three roots merge, the
         # middle one.
         split = kinks[0] if kinks else (low + high + 1) // 2 | 1
-        sides = (below, beyond)
-        if kinks:
-            record(scan.kink, split)
-    for e in range(low, high + 1):
-        laps, place = divmod(e, ends)
+        scan.kink.extend(ends.point(kink, w, scan.lap) for kink in kinks[:1])
+    for end in run:
+        laps, place = divmod(end, ends.size)
         turns = scan.turn_end if place % 2 else scan.turn_start
-        turns[place // 2] = w - scan.lap * laps - (0 if sides[e >= split] else 1)
-    return [e % ends for e in range(low, high + 1)]
+        turns[place // 2] = w - scan.lap * laps - (0 if sides[end >= split] else 1)
+    return [end % ends.size for end in run]

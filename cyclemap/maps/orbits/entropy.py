@@ -34,12 +34,12 @@ class Folds:
     @cached_property
     def theta(self) -> Array:
         """(m,): the folds, in [0, 2π), rising."""
-        return np.array([part.start for part in self.parts])
+        return np.array([branch.start for branch in self.parts])
 
     @cached_property
     def value(self) -> Array:
         """(m,): F at the folds."""
-        return np.array([part.start_value for part in self.parts])
+        return np.array([branch.start_value for branch in self.parts])
 
     def branch(self, theta: Array) -> tuple[Whole, Array]:
         """The branch of each angle of [0, 2π), and the angle in that branch's own turn."""
@@ -77,14 +77,17 @@ class Folds:
         last = self.parts[route.letters[-1]]
         points = [(route.letters[-1], last.end if at_end else last.start)]
         for letter, turns in list(zip(route.letters[:-1], route.turns[1:], strict=True))[::-1]:
-            part = self.parts[letter]
+            branch = self.parts[letter]
             wanted = points[0][1] + TWO_PI * turns
-            low, high = sorted((part.start_value, part.end_value))
+            low, high = sorted((branch.start_value, branch.end_value))
             if low < wanted < high:
-                points.insert(0, (letter, float(part.inverse(wanted))))
+                points.insert(0, (letter, float(branch.inverse(wanted))))
             else:
                 points = [
-                    (letter, part.start if (wanted <= low) == (part.direction > 0) else part.end)
+                    (
+                        letter,
+                        branch.start if (wanted <= low) == (branch.direction > 0) else branch.end,
+                    )
                 ]
         return points
 
@@ -237,11 +240,11 @@ def _folds(circle_map: CircleMap) -> Folds:
     """The branches, or InvalidInput where they do not join."""
     require_map(circle_map)
     parts = branches(circle_map)
-    for part, after in zip(parts, (*parts[1:], parts[0]), strict=True):
+    for branch, after in zip(parts, (*parts[1:], parts[0]), strict=True):
         climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0
-        if part.direction == 0 or abs(part.end_value - after.start_value - climb) > JUMP:
+        if branch.direction == 0 or abs(branch.end_value - after.start_value - climb) > JUMP:
             raise InvalidInput(
-                f"F jumps or is constant near θ = {part.end % TWO_PI:.6g}: entropy is computed for "
+                f"F jumps or is constant near θ = {branch.end % TWO_PI:.6g}: entropy is computed for "
                 "continuous lifts without plateaus"
             )
     return Folds(circle_map, parts)
@@ -251,53 +254,38 @@ def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
     """ln of the largest eigenvalue of the graph of cells, all folds moved outward if ``up``, else
     inward.
     """
-    count = len(folds.parts)
-    degree = folds.map.degree
-    images: dict[
-        float, tuple[int, float]
-    ] = {}  # of base angles in their branch's own turn: whole turns and base angle
-    values: list[tuple[int, float]] = []  # of the folds
-    for fold, route in enumerate(routes):
-        maximum = folds.parts[fold].direction < 0
+    images = sorted(_images(folds, routes, up).items())
+    points = np.array([base for base, _ in images])
+    size = points.size
+    place = {base: index for index, (base, _) in enumerate(images)}
+    # Of every point's image, counted on round the circle.
+    start = np.array([turn * size + place[base] for _, (turn, base) in images])
+    end = np.roll(start, -1)
+    end[np.roll(points, -1) == folds.theta[0]] += folds.map.degree * size
+    graph = np.zeros((size, size))
+    for row, ends in zip(graph, np.sort([start, end], axis=0).T.tolist(), strict=True):
+        np.add.at(row, np.arange(*ends) % size, 1.0)
+    largest = float(np.max(np.abs(np.linalg.eigvals(graph))))
+    return float(np.log(largest)) if largest > 0.0 else -np.inf
+
+
+def _images(folds: Folds, routes: list[Itinerary], up: bool) -> dict[float, tuple[int, float]]:
+    """Of the folds and their moved orbits: base angles, to the whole turns and base angles of their
+    images, in the turn of their branch.
+    """
+    images: dict[float, tuple[int, float]] = {}
+    for branch, route in zip(folds.parts, routes, strict=True):
         orbits = [folds.orbit(route, at_end) for at_end in (False, True)]
         if route.closes is not None:
             orbits = [orbits[route.closes != route.letters[-1]]]
-        chosen = (max if maximum == up else min)(orbits, key=lambda orbit: orbit[0][1])
-        placed = []
-        for letter, own in chosen:
+        chosen = (max if (branch.direction < 0) == up else min)(
+            orbits, key=lambda orbit: orbit[0][1]
+        )
+        base = branch.start
+        for (letter, own), turns in zip(chosen, route.turns, strict=False):
             is_fold = own == folds.parts[letter].end
-            base = (
-                float(folds.theta[(letter + 1) % count])
-                if is_fold
-                else own - TWO_PI * (own >= TWO_PI)
-            )
-            placed.append((round((own - base) / TWO_PI), base))
-        values.append((placed[0][0] + route.turns[0], placed[0][1]))
-        for (_, base), (turn, after), turns in zip(
-            placed[:-1], placed[1:], route.turns[1:], strict=False
-        ):
-            images[base] = (turn + turns, after)
-    points = np.unique(np.concatenate([folds.theta, np.array(list(images))]))
-    size = points.size
-    place = {base: index for index, base in enumerate(points.tolist())}
-    fold_of = {base: fold for fold, base in enumerate(folds.theta.tolist())}
-
-    def position(image: tuple[int, float]) -> int:
-        return image[0] * size + place[image[1]]
-
-    graph = np.zeros((size, size))
-    letters = folds.branch(points)[0]
-    for cell, (base, following) in enumerate(
-        zip(points.tolist(), np.roll(points, -1).tolist(), strict=True)
-    ):
-        letter = int(letters[cell])
-        start = position(values[letter] if base in fold_of else images[base])
-        if following in fold_of:
-            end = position(values[(letter + 1) % count]) + degree * size * (letter == count - 1)
-        else:
-            end = position(images[following])
-        if folds.parts[letter].direction < 0:
-            start, end = end, start
-        np.add.at(graph[cell], np.arange(start, end) % size, 1.0)
-    largest = float(np.max(np.abs(np.linalg.eigvals(graph))))
-    return float(np.log(largest)) if largest > 0.0 else -np.inf
+            following = folds.parts[(letter + 1) % len(folds.parts)].start
+            after = following if is_fold else own - TWO_PI * (own >= TWO_PI)
+            images[base] = (turns + round((own - after) / TWO_PI), after)
+            base = after
+    return images

@@ -4,19 +4,20 @@ levels).
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from dataclasses import replace
 from functools import lru_cache
-from math import ceil, floor
+from math import ceil
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError
+from cyclemap.maps.lifts.branches import cell_limits
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP, within_turn
+from cyclemap.maps.lifts.piecewise_lifts import BranchedLift, Piece
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
-_RESOLUTION = 512
 SLACK = 1e-12  # radians: a smaller descent is rounding
 _GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)
 
@@ -144,7 +145,7 @@ def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Arra
         start, end, level = _plateaus(circle_map, theta, value, 1.0)
     else:  # x → -F(-x) swaps infimum from the right with supremum from the left
         end, start, level = (
-            -part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
+            -column[::-1] for column in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
         )
     return start, end, level, circle_map.max_error + SIDE_STEP * steepest
 
@@ -154,20 +155,13 @@ def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
     """Points (θ, F) in order over [0, 2π], F monotone between neighbours, a jump one θ twice; the
     largest |F'|.
     """
-    cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
-    g_start = cells.g_start.copy()
-    g_end = cells.g_end.copy()
-    cut_after = np.roll(cells.cut, -1)
-    # The limits at a break, nearer than the cells read them.
-    g_start[cells.cut] = circle_map.right(cells.start[cells.cut])
-    g_end[cut_after] = circle_map.left(cells.end[cut_after])
+    cells = monotone_cells(circle_map, 1, 0.0)
     theta = np.stack([cells.start, cells.end], axis=1).ravel()
-    value = np.stack([g_start, g_end], axis=1).ravel()
+    value = np.stack(cell_limits(circle_map, cells), axis=1).ravel()
     if cells.cut[0]:
         theta = np.append(theta, TWO_PI)
         value = np.append(value, value[0] + cells.climb)
-    steepest = max(float(np.max(np.abs(cells.slope_start))), float(np.max(np.abs(cells.slope_end))))
-    return theta, value, steepest
+    return theta, value, float(np.max(np.abs([cells.slope_start, cells.slope_end])))
 
 
 def _plateaus(
@@ -213,46 +207,32 @@ def _with_plateaus(
     """
     if start.size == 0:
         return circle_map
-    turns = np.floor(start / TWO_PI)
-    start = start - TWO_PI * turns
-    end = end - TWO_PI * turns
-    level = level - TWO_PI * turns
-    order = np.argsort(start)
-    start = start[order]
-    end = end[order]
-    level = level[order]
-
-    def located(theta: Array) -> tuple[Array, Array, Mask]:
-        turn = np.floor((theta - start[0]) / TWO_PI)
-        base = theta - TWO_PI * turn
-        index = np.clip(np.searchsorted(start, base, side="right") - 1, 0, start.size - 1)
-        return index, turn, (base >= start[index]) & (base < end[index])
-
-    def lift(theta: Array) -> Array:
-        index, turn, flat = located(theta)
-        return np.where(flat, level[index] + TWO_PI * turn, circle_map(theta))
-
-    def derivative(theta: Array) -> Array:
-        return np.where(located(theta)[2], 0.0, circle_map.derivative(theta))
-
-    def slopes(theta: Array) -> tuple[Array, Array]:
-        slope, error = circle_map.derivative_and_error(theta)
-        flat = located(theta)[2]
-        return np.where(flat, 0.0, slope), np.where(flat, 0.0, error)
-
+    free = Piece(-np.inf, np.inf, circle_map, circle_map.derivative_and_error, circle_map.scalar())
+    start, turns = within_turn(start)
+    rows: list[tuple[float, Piece]] = []
+    for first, last, height in sorted(
+        zip(start, end - TWO_PI * turns, level - TWO_PI * turns, strict=True)
+    ):
+        rows += [(first, _plateau(height)), (last, free)]
+    over = rows[-1][0] - TWO_PI
+    if over > 0.0:  # the last plateau begins the turn, too
+        rows = [(0.0, replace(rows[-2][1], shift=1.0)), (over, free), *rows[:-1]]
+    else:
+        rows.insert(0, (0.0, free))
+    starts = np.array([place for place, _ in rows])
+    lift = BranchedLift(starts, tuple(piece for _, piece in rows), 1)
     breaks = np.concatenate([start, end, circle_map.breaks])
-    starts = start.tolist()
-    ends = end.tolist()
-    levels = level.tolist()
-    plain = circle_map.scalar()
+    made = CircleMap.with_scalar(
+        lift, lift.derivative, lift.scalar(), breaks=breaks, max_error=inexact
+    )
+    return made.with_slope_errors(lift.derivative_and_error)
 
-    def scalar(theta: float) -> float:
-        turn = floor((theta - starts[0]) / TWO_PI)
-        base = theta - TWO_PI * turn
-        index = max(bisect_right(starts, base) - 1, 0)
-        if starts[index] <= base < ends[index]:
-            return float(levels[index] + TWO_PI * turn)
-        return plain(theta)
 
-    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=inexact)
-    return made.with_slope_errors(slopes)
+def _plateau(level: float) -> Piece:
+    return Piece(
+        -np.inf,
+        np.inf,
+        lambda theta: np.full_like(theta, level),
+        lambda theta: (np.zeros_like(theta), np.zeros_like(theta)),
+        lambda _: level,
+    )

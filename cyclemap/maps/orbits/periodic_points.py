@@ -159,39 +159,32 @@ def periodic_points(
         raise InvalidInput(
             f"slope_error is {slope_error!r}: it is a bound for proofs; give proved=True with it"
         )
-    found = _proved(circle_map, n, slope_error) if proved else _computed(circle_map, n)
+    points = _proved(circle_map, n, slope_error) if proved else _computed(circle_map, n)
     # Those with the wanted winding, read-only; links to points left out are cut.
-    keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
-    number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
-    arrays: dict[str, Any] = {name: getattr(found, name)[keep] for name in _ARRAYS}
-    arrays["image"] = number[found.image[keep]]
+    keep = np.ones(points.count, dtype=bool) if wanted is None else points.winding == wanted
+    index = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
+    arrays: dict[str, Any] = {name: getattr(points, name)[keep] for name in _ARRAYS}
+    arrays["image"] = index[points.image[keep]]
     for array in arrays.values():
         array.setflags(write=False)
-    return replace(found, **arrays)
+    return replace(points, **arrays)
 
 
 def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     """The points that double precision finds, judged by their slopes on both sides."""
-    scan = diagonal_scan(circle_map, n)
-    roots = _all_roots(circle_map, scan, n)
-    bound = _error_bounds(circle_map, roots, n)
-    image = _images(circle_map, roots.theta, bound)
-    right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
-    prime = _prime_periods(circle_map, roots.theta, image, n, bound)
+    theta, winding, role = _all_roots(diagonal_scan(circle_map, n))
+    bound = _error_bounds(circle_map, theta, winding, role, n)
+    image = _images(circle_map, theta, bound)
+    prime, (right, left), slope_error = _followed(circle_map, theta, image, bound, n)
     # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
     flips = (left < 0.0) & (right < 0.0)
     attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
-    slope_error = _multiplier_error(
-        circle_map, roots.theta, n, np.maximum(np.abs(left), np.abs(right)), bound
-    )
     unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
     neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= unsure
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
-    kind[roots.role == _TOUCH] = "saddle-node"
-    kind[roots.role == _BORDER] = "border-collision"
-    return PeriodicPoints(
-        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n
-    )
+    kind[role == _TOUCH] = "saddle-node"
+    kind[role == _BORDER] = "border-collision"
+    return PeriodicPoints(theta, winding, right, left, slope_error, prime, kind, bound, image, n)
 
 
 def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints:
@@ -206,11 +199,7 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
     bound = np.array([point.theta.error_bound for point in points])
     winding = np.array([point.winding for point in points], dtype=np.int64)
     image = np.array([point.image for point in points], dtype=np.int64)
-    prime = np.full(theta.size, n)
-    reached = np.arange(theta.size)
-    for d in range(1, n):
-        reached = image[reached]
-        prime = np.where((reached == np.arange(theta.size)) & (prime == n), d, prime)
+    prime = 1 + np.argmax(_visits(image, n + 1)[1:] == np.arange(theta.size), axis=0)
     size = np.abs(multiplier)
     kind = np.where(
         np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
@@ -223,24 +212,11 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
 _CROSSING, _KINK, _TOUCH, _BORDER = range(4)
 
 
-@dataclass(frozen=True, eq=False)
-class _Roots:
-    """Sorted roots, what each is, and g = Fⁿ - id - 2πw with slope and rounding there."""
-
-    theta: Array
-    winding: Whole
-    role: Whole
-    residual: Array
-    slope: Array
-    rounding: Array
-
-
-def _all_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
-    """All roots, sorted."""
+def _all_roots(scan: DiagonalScan) -> tuple[Array, Whole, Whole]:
+    """All roots, sorted, the w of each, and what it is."""
     cell = np.flatnonzero(scan.turn_start != scan.turn_end)
-    level = np.float64(0.0)
     turns = (scan.turn_start[cell], scan.turn_end[cell])
-    theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
+    theta, whole, _ = solved(scan.map, scan.cells, cell, np.float64(0.0), *turns)
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
     role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
@@ -249,33 +225,32 @@ def _all_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots
     beyond = theta >= TWO_PI
     theta = np.where(beyond, theta - TWO_PI, theta)
     whole = whole - beyond * scan.lap
-    residual, slope, rounding = displacement(circle_map, theta, period, whole)
     order = np.argsort(theta, kind="stable")
-    return _Roots(
-        theta[order], whole[order], role[order], residual[order], slope[order], rounding[order]
-    )
+    return theta[order], whole[order], role[order]
 
 
-def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
-    """The half width of the bracket around each root at whose ends g has left the line beyond
-    doubt.
+def _error_bounds(
+    circle_map: CircleMap, theta: Array, winding: Whole, role: Whole, period: int
+) -> Array:
+    """The half width of the bracket around each root at whose ends g = Fⁿ - id - 2πw has left the
+    line beyond doubt.
     """
-    margin = np.abs(roots.residual) + 2.0 * roots.rounding
+    residual, slope, rounding = displacement(circle_map, theta, period, winding)
+    margin = np.abs(residual) + 2.0 * rounding
     with np.errstate(divide="ignore"):
-        half = np.minimum(1.5 * margin / np.abs(roots.slope - 1.0), 1e-8)
-    half = np.maximum(half, 2.0 * np.spacing(roots.theta) + 1e-300)
-    touches = roots.role >= _TOUCH
+        half = np.minimum(1.5 * margin / np.abs(slope - 1.0), 1e-8)
+    half = np.maximum(half, 2.0 * np.spacing(theta) + 1e-300)
+    touches = role >= _TOUCH
     half[touches] = np.maximum(half[touches], TANGENCY)
     bound = np.full(half.shape, np.inf)
-    left = np.flatnonzero(roots.role != _BORDER)
+    left = np.flatnonzero(role != _BORDER)
     for _ in range(_WIDENINGS):
         if left.size == 0:
             break
-        theta = roots.theta[left]
-        whole = roots.winding[left]
         touch = touches[left]
         (low, _, low_noise), (high, _, high_noise) = (
-            displacement(circle_map, theta + side * half[left], period, whole) for side in (-1, 1)
+            displacement(circle_map, theta[left] + side * half[left], period, winding[left])
+            for side in (-1, 1)
         )
         sides = np.where(touch, low * high > 0.0, low * high < 0.0)
         done = (
@@ -303,74 +278,51 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
     return np.where(away <= allowed, nearest, -1)
 
 
-def _prime_periods(
-    circle_map: CircleMap, theta: Array, image: Whole, period: int, bound: Array
-) -> Whole:
-    """The least divisor d of n after which each root is back: by the links, or by iteration where
-    they break.
+def _followed(
+    circle_map: CircleMap, theta: Array, image: Whole, bound: Array, period: int
+) -> tuple[Whole, Array, Array]:
+    """Prime periods; multipliers of orbits above and below the roots, shape (2, count); and a bound
+    on the errors of those.
+
+    Each root is followed by its links, where they break by iteration: so slopes are taken at roots
+    that are solved on their own, and no digit is lost however expanding the map. Periods are the
+    least divisor of n after which a root is back. A negative slope changes the side on which a
+    nearby orbit passes. Errors are those of F', and of the angles at which it is read.
     """
     prime = np.full(theta.size, period)
-    own = np.arange(theta.size)
-    reached = own
-    angle = theta
-    for d in range(1, period):
-        reached = np.where(reached >= 0, image[reached], -1)
-        angle = np.mod(circle_map(angle), TWO_PI)
-        back = reached == own
-        if np.any(reached < 0):
-            gap = np.abs(shorter_way(angle - theta))
-            back |= (reached < 0) & (gap <= _LINKED + np.minimum(bound, 1e-6))
-        prime = np.where(back & (prime == period) & (period % d == 0), d, prime)
-    return prime
-
-
-def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, side: int) -> Array:
-    """Product of the slopes on the side where a nearby orbit passes: a negative slope changes the
-    side.
-
-    Taken at the roots themselves, each solved on its own, so that no digit is lost however
-    expanding the map.
-    """
-    slopes = _slopes(circle_map, theta)
+    sides = np.outer([1, -1], np.ones(theta.size))
+    multiplier = np.ones_like(sides)
     product = np.ones(theta.size)
+    largest = product
     index = np.arange(theta.size)
-    sides = np.full(theta.size, side)
     angle = theta
-    for _ in range(period):
-        lost = index < 0
-        slope = np.where(sides > 0, slopes[0][index], slopes[1][index])
-        if np.any(lost):
-            apart = _slopes(circle_map, angle[lost])
-            slope[lost] = np.where(sides[lost] > 0, apart[0], apart[1])
-            angle = np.where(lost, angle, theta[index])
-            angle = np.mod(circle_map(angle), TWO_PI)
-        elif np.any(image < 0):
-            angle = np.mod(circle_map(theta[index]), TWO_PI)
-        product = product * slope
+    for passed in range(1, period + 1):
+        right, left = _slopes(circle_map, angle)
+        slope = np.where(sides > 0, right, left)
+        multiplier = multiplier * slope
         sides = np.where(slope >= 0.0, sides, -sides)
-        index = np.where(lost, -1, image[index])
-    return product
+        off = np.minimum(np.where(index >= 0, bound[index], bound), 1e-6)
+        steepness, error = _slope_and_error(circle_map, angle, off)
+        product = product * steepness
+        largest = largest * (steepness + error)
+        index = np.where(index >= 0, image[index], -1)
+        angle = np.where(index >= 0, theta[index], np.mod(circle_map(angle), TWO_PI))
+        near = np.abs(shorter_way(angle - theta)) <= _LINKED + np.minimum(bound, 1e-6)
+        back = np.where(index >= 0, index == np.arange(theta.size), near)
+        prime = np.where(back & (prime == period) & (period % passed == 0), passed, prime)
+    size = np.max(np.abs(multiplier), axis=0)
+    return prime, multiplier, largest - product + 4.0 * EPS * period * (largest + size)
 
 
-def _multiplier_error(
-    circle_map: CircleMap, theta: Array, period: int, size: Array, bound: Array
-) -> Array:
-    """What the errors of F', and of the angles at which it is read, make of multipliers of this
-    ``size``.
+def _slope_and_error(circle_map: CircleMap, theta: Array, off: Array) -> tuple[Array, Array]:
+    """|F'| and a bound on its error at angles that may be off by so much; the sides of a break are
+    not mixed.
     """
-    product = np.ones(theta.size)
-    largest = np.ones(theta.size)
-    angle = theta
-    off = np.minimum(bound, 1e-6)
-    for _ in range(period):
-        slope, error = circle_map.derivative_and_error(angle)
-        sides = [circle_map.derivative(angle + side * off) for side in (-1.0, 1.0)]
-        smooth = distance_to_break(circle_map.breaks, angle) > off + _LINKED
-        error = error + smooth * np.max([np.abs(side - slope) for side in sides], axis=0)
-        product = product * np.abs(slope)
-        largest = largest * (np.abs(slope) + error)
-        angle = np.mod(circle_map(angle), TWO_PI)
-    return largest - product + 4.0 * EPS * period * (largest + size)
+    slope, error = circle_map.derivative_and_error(theta)
+    sides = [circle_map.derivative(theta + side * off) for side in (-1.0, 1.0)]
+    smooth = distance_to_break(circle_map.breaks, theta) > off + _LINKED
+    moved = np.max([np.abs(side - slope) for side in sides], axis=0)
+    return np.abs(slope), error + smooth * moved
 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
@@ -536,36 +488,42 @@ def periodic_orbits(
     [1, 1]
     """
     wanted = None if winding is None else whole_number("winding", winding)
-    found = periodic_points(circle_map, period, proved=proved, slope_error=slope_error)
-    # The index of the point where each point is after 0, 1, ..., n - 1 cycles; -1 where unknown.
-    visits = [np.arange(found.count)]
-    for _ in range(found.period - 1):
-        visits.append(np.where(visits[-1] >= 0, found.image[visits[-1]], -1))
-    table = np.stack(visits)
+    every = periodic_points(circle_map, period, proved=proved, slope_error=slope_error)
+    table = _visits(every.image, every.period)
     orbits = []
     broken = np.any(table < 0, axis=0)
     smallest = np.all(table >= table[0], axis=0)
-    for i in np.flatnonzero((found.prime_period == found.period) & (broken | smallest)).tolist():
-        points = found.theta[table[:, i]]
-        bound = float(np.max(found.error_bound[table[:, i]]))
+    for i in np.flatnonzero((every.prime_period == every.period) & (broken | smallest)).tolist():
+        points = every.theta[table[:, i]]
+        bound = float(np.max(every.error_bound[table[:, i]]))
         if broken[i]:  # an image is not in the list, at a jump: by iteration
-            points = found.theta[[i]]
-            bound = float(found.error_bound[i])
-            for _ in range(found.period - 1):
+            points = every.theta[[i]]
+            bound = float(every.error_bound[i])
+            for _ in range(every.period - 1):
                 points = np.append(points, np.mod(circle_map(points[-1]), TWO_PI))
             if np.min(points) < points[0] - _SAME:
                 continue
-        turns = int(found.winding[i])
-        kind = str(found.kind[i])
+        turns = int(every.winding[i])
+        kind = str(every.kind[i])
         if wanted is None or turns == wanted:
-            off = float(found.multiplier_error[i])
-            slopes = Estimate(found.multiplier[i], off), Estimate(found.left_multiplier[i], off)
+            off = float(every.multiplier_error[i])
+            slopes = Estimate(every.multiplier[i], off), Estimate(every.left_multiplier[i], off)
             orbits.append(
                 Orbit(
-                    read_only(points), found.period, turns, *slopes, kind == "stable", kind, bound
+                    read_only(points), every.period, turns, *slopes, kind == "stable", kind, bound
                 )
             )
     return orbits
+
+
+def _visits(image: Whole, count: int) -> Whole:
+    """The index of the point where each point is after 0, 1, ..., count - 1 cycles; -1 where
+    unknown.
+    """
+    visits = [np.arange(image.size)]
+    for _ in range(count - 1):
+        visits.append(np.where(visits[-1] >= 0, image[visits[-1]], -1))
+    return np.stack(visits)
 
 
 def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:

@@ -175,21 +175,21 @@ class _Proof:
         lap = self.degree**self.period - 1
         cut, turns = self._cut()
         cells = [*self._cells(cut), _Cell(cut + TWO_PI, cut + TWO_PI, 0, turns + lap)]
-        found = []
+        crossings = []
         run = _Cell(cut, cut, 0, turns)
         for cell in cells:
             if cell.sign:
                 run = _Cell(run.start if run.sign else cell.start, cell.end, cell.sign, run.turns)
                 continue
             for level in range(min(run.turns, cell.turns) + 1, max(run.turns, cell.turns) + 1):
-                found.append(self._enclosed(run, level, lap))
+                crossings.append(self._enclosed(run, level, lap))
             run = cell
-        found.sort(key=lambda item: item[0])
-        angles = np.array([theta for theta, _, _, _ in found])
-        bounds = np.array([theta.error_bound for theta, _, _, _ in found])
+        crossings.sort(key=lambda item: item[0])
+        angles = np.array([theta for theta, _, _, _ in crossings])
+        bounds = np.array([theta.error_bound for theta, _, _, _ in crossings])
         return [
             ProvedPoint(theta, winding, multiplier, self._image(ball, angles, bounds))
-            for theta, winding, multiplier, ball in found
+            for theta, winding, multiplier, ball in crossings
         ]
 
     def rises(self) -> bool:

@@ -21,7 +21,7 @@ from cyclemap.checks import (
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
-from cyclemap.maps.lifts.lift_checks import Lift
+from cyclemap.maps.lifts.lift_checks import Lift, Scalar
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
 
@@ -116,13 +116,27 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
     lift = circle_map.scalar()
     for row, start in zip(visited, starts.tolist(), strict=True):
         angle = start - TWO_PI * floor(start / TWO_PI)
-        passed = []
-        for _ in range(count):
-            passed.append(angle)
-            moved = lift(angle)
-            angle = moved - TWO_PI * floor(moved / TWO_PI)
-        row[:] = passed
+        row[:] = [angle, *_images(lift, angle, count - 1)[0]]
     return visited
+
+
+def _images(
+    lift: Scalar, theta: float, count: int, push: float = 0.0
+) -> tuple[list[float], list[int]]:
+    """The images of ``theta`` under F + push, in [0, 2π), and the whole turns taken off up to
+    each.
+    """
+    visited = []
+    laps = []
+    turns = 0
+    for _ in range(count):
+        image = lift(theta) + push
+        lap = floor(image / TWO_PI)
+        theta = image - TWO_PI * lap
+        turns += lap
+        visited.append(theta)
+        laps.append(turns)
+    return visited, laps
 
 
 def window(count: int) -> Array:
@@ -142,7 +156,9 @@ def weighted_mean(values: Array) -> Estimate:
         raise InvalidInput(f"values has {sequence.size} entries: give at least 16")
     half = sequence.size // 2
     mean = _windowed(sequence)
-    apart = max(abs(_windowed(part) - mean) for part in (sequence[:half], sequence[-half:]))
+    apart = max(
+        abs(_windowed(half_orbit) - mean) for half_orbit in (sequence[:half], sequence[-half:])
+    )
     return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
 
 
@@ -455,19 +471,11 @@ class _PushedOrbit:
 
     def run_to(self, count: int) -> None:
         """Go on to the iterate of that number."""
-        lift = self._lift
-        push = self._push
-        laps = self.laps
-        visited = self.visited
-        theta = visited[-1]
-        turns = laps[-1]
-        for _ in range(len(laps), count + 1):
-            image = lift(theta) + push
-            lap = floor(image / TWO_PI)
-            theta = image - TWO_PI * lap
-            turns += lap
-            visited.append(theta)
-            laps.append(turns)
+        more = count + 1 - len(self.laps)
+        visited, laps = _images(self._lift, self.visited[-1], more, self._push)
+        before = self.laps[-1]
+        self.visited += visited
+        self.laps += [before + turns for turns in laps]
 
     def settles(self, ratio: Fraction) -> bool:
         """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no

@@ -11,13 +11,13 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.lifts.lift_checks import differences
 from cyclemap.maps.lifts.scan import Cells, is_continuous, is_rising, monotone_cells
-from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
+from cyclemap.maps.orbits.diagonal import TANGENCY, displacement
 
 LEAST_CYCLES = 10.0
 REACH = 4.0  # widths on each side of the slowest point across which ``relative_error`` looks
 _SHARE = 0.5  # of the mean |Fⁿ - id - 2πw|: a larger gap is no bottleneck
-_STEP = 1e-3  # radians at most, of the differences that give the curvature
 _GAUSS = 48
 _FOLLOWED = 1_000.0  # iterates: longer passages are slow enough for the flow's series
 _MOST_FOLLOWED = 4_000  # iterates: a path that is not across by then does not get through
@@ -131,34 +131,32 @@ def slow_passages(
     require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
-    cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)
+    cells = monotone_cells(circle_map, n, 1.0)
     theta, whole, gap = _near_misses(circle_map, cells, wanted)
     near = np.abs(gap) > TANGENCY
     angle = theta
     for d in range(1, n):  # left out where a divisor of the period comes at least as near
         angle = np.mod(circle_map(angle), TWO_PI)
         near &= (n % d != 0) | (np.abs(shorter_way(angle - theta)) > np.abs(gap))
+    # Half the second derivative.
+    curvature, _ = differences(
+        lambda x: 0.5 * displacement(circle_map, x, n, np.asarray(0))[1], circle_map.breaks, theta
+    )
+    near &= curvature * gap > 0.0  # else too flat for a parabola
     passages = []
-    for place, w, least in zip(
-        theta[near].tolist(), whole[near].tolist(), gap[near].tolist(), strict=True
+    for place, w, least, bend in zip(
+        theta[near].tolist(),
+        whole[near].tolist(),
+        gap[near].tolist(),
+        curvature[near].tolist(),
+        strict=True,
     ):
-        # Half the second derivative: fourth-order differences of the slope, twice, at a step that
-        # suits the map.
-        tried = []
-        step = _STEP
-        for _ in range(6):
-            nodes = place + step * np.array([-2.0, -1.0, 1.0, 2.0])
-            slope = displacement(circle_map, nodes, n, np.zeros(4, dtype=np.int64))[1]
-            tried.append(float(slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step))
-            step *= 0.25
-        curvature = tried[int(np.argmin(np.abs(np.diff(tried)))) + 1]
-        if curvature * least <= 0.0 or n * np.pi / np.sqrt(curvature * least) < LEAST_CYCLES:
-            continue  # too flat for a parabola, or too quick
-        width = float(np.sqrt(least / curvature))
-        cycles = float(n * np.pi / np.sqrt(curvature * least))
-        error = _relative_error(circle_map, n, place, w, width, least, curvature)
-        way = 1 if least > 0.0 else -1
-        passages.append(SlowPassage(place, w, n, least, curvature, width, cycles, way, error))
+        cycles = float(n * np.pi / np.sqrt(bend * least))
+        if cycles >= LEAST_CYCLES:
+            width = float(np.sqrt(least / bend))
+            error = _relative_error(circle_map, n, place, w, width, least, bend)
+            way = 1 if least > 0.0 else -1
+            passages.append(SlowPassage(place, w, n, least, bend, width, cycles, way, error))
     return passages
 
 

@@ -139,64 +139,60 @@ _ACCEPTED = 0.02  # relative error bound
 
 @dataclass(frozen=True, eq=False)
 class CellChain:
-    """The chain of the cells of some ``arcs`` until it enters an exit; ``lifted`` on the real line,
+    """The chain of the cells of some arcs until it enters an exit; ``lifted`` on the real line,
     else on the circle.
 
+    origins : where the path begins, a cell without length, and the cells of each arc.
     exits : arcs, on the line with an end at ±inf.
     """
 
-    parts: tuple[Cells, ...]
+    origins: tuple[Cells, ...]
     exits: tuple[Arc, ...]
     lifted: bool
 
-    def chances(self, *origins: Cells) -> tuple[Array, Array]:
-        """(m, n): of going from these cells to those of the chain; (m, exits): of leaving by each
-        exit.
+    def moved(self, shift: float) -> CellChain:
+        """The same for F + ``shift``."""
+        moved = tuple(replace(cells, ends=cells.ends + shift) for cells in self.origins)
+        return replace(self, origins=moved)
+
+    def chances(self) -> tuple[Array, Array]:
+        """(1 + n, n): of going from the start and each of the n cells to the cells; (1 + n, exits):
+        of leaving by each exit.
         """
-        starts = np.concatenate([part.edges[:-1] for part in self.parts])
-        ends = np.concatenate([part.edges[1:] for part in self.parts])
-        low, high = np.array(self.exits).T
-        moves = [cells.between(starts, ends, self.lifted) for cells in origins]
-        gone = [cells.between(low, high, self.lifted) for cells in origins]
+        low = np.concatenate([cells.edges[:-1] for cells in self.origins[1:]])
+        high = np.concatenate([cells.edges[1:] for cells in self.origins[1:]])
+        starts, ends = np.array(self.exits).T
+        moves = [cells.between(low, high, self.lifted) for cells in self.origins]
+        gone = [cells.between(starts, ends, self.lifted) for cells in self.origins]
         return np.concatenate(moves), np.concatenate(gone)
 
-    def collected(
-        self, image: float, each: float, at: Array, off: float = 0.0
-    ) -> tuple[float, float]:
-        """What a path with F(θ) = ``image`` collects on average: ``each`` a cycle, ``at[e]`` when
-        it leaves by exit e.
+    def collected(self, each: float, at: Array, off: float = 0.0) -> tuple[float, float]:
+        """What a path collects on average: ``each`` a cycle, ``at[e]`` when it leaves by exit e.
 
         And what that changes, to first order, where every image may be ``off`` by so much, each to
         its own side. Paths that can leave no more collect nothing further, or for ever where
         ``each`` is above 0.
         """
-        moves, gone = self.chances(*self.parts)
-        begin = Cells(self.parts[0].halfwidth, np.zeros(2), np.full((2, 1), image), 0.0)
-        step, left = (rows[0] for rows in self.chances(begin))
-        out = gone.sum(axis=1)
-        leads = _grown(out > 0.0, moves.T > 0.0)
-        visited = _grown(step > 0.0, moves > 0.0)
+        moves, gone = self.chances()
+        inner = moves[1:]
+        out = gone[1:].sum(axis=1)
+        leads = _grown(out > 0.0, inner.T > 0.0)
+        visited = _grown(moves[0] > 0.0, inner > 0.0)
         if each > 0.0 and np.any(visited & ~leads):
             return float("inf"), 0.0
         kept = np.flatnonzero(leads)
-        lost = moves[np.ix_(kept, np.flatnonzero(~leads))].sum(axis=1)
-        reward = each + gone[kept] @ at
         if not kept.size:
-            return float(each + left @ at), 0.0
-        chain = eliminated(moves[np.ix_(kept, kept)], out[kept] + lost)
-        solved = chain.solve(reward)
-        value = float(each + left @ at + step[kept] @ solved)
-        if off == 0.0:
-            return value, 0.0
-        changes = []
-        for way in (-off, off):
-            moved, gone_then = self.chances(
-                *(replace(part, ends=part.ends + way) for part in (*self.parts, begin))
-            )
-            changes.append(moved[:, kept] @ solved + gone_then @ at)
-        here = np.append(moves[:, kept] @ solved + gone @ at, value - each)
-        change = np.max(np.abs(np.array(changes) - here), axis=0)
-        return value, float(change[-1] + step[kept] @ chain.solve(change[kept]))
+            return float(each + gone[0] @ at), 0.0
+        lost = inner[np.ix_(leads, ~leads)].sum(axis=1)
+        chain = eliminated(inner[np.ix_(kept, kept)], out[kept] + lost)
+        solved = chain.solve(each + gone[1 + kept] @ at)
+        here = gone @ at + moves[:, kept] @ solved
+        change = np.zeros_like(here)
+        for shift in (-off, off) if off else ():
+            there, gone_there = self.moved(shift).chances()
+            change = np.maximum(change, np.abs(gone_there @ at + there[:, kept] @ solved - here))
+        later = moves[0, kept] @ chain.solve(change[1 + kept])
+        return float(each + here[0]), float(change[0] + later)
 
 
 def _grown(mask: Mask, leads: Mask) -> Mask:
@@ -231,31 +227,32 @@ def cell_passage(
     Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage
     hangs on a gap as narrow as a cell.
     """
+    whole = sum(high - low for low, high in arcs)
+    begin = Cells(halfwidth, np.zeros(2), np.full((2, 1), float(circle_map(start))), 0.0)
 
-    def value(count: int, shift: float = 0.0, off: float = 0.0) -> tuple[float, float]:
-        whole = sum(high - low for low, high in arcs)
-        parts = []
+    def chain(count: int) -> CellChain:
+        cells = []
         for low, high in arcs:
-            cells = cells_between(
-                circle_map, halfwidth, low, high, max(8, round(count * (high - low) / whole))
-            )
-            parts.append(replace(cells, ends=cells.ends + shift))
-        return CellChain(tuple(parts), exits, lifted).collected(
-            float(circle_map(start)) + shift, each, at, off
-        )
+            share = max(8, round(count * (high - low) / whole))
+            cells.append(cells_between(circle_map, halfwidth, low, high, share))
+        return CellChain((begin, *cells), exits, lifted)
 
+    few = chain(_CELLS)
+    many = chain(2 * _CELLS)
     error = circle_map.max_error
-    (few, _), (many, moved) = value(_CELLS), value(2 * _CELLS, off=error)
-    if np.isinf(many) and np.isinf(few):
+    value, moved = many.collected(each, at, error)
+    coarse, _ = few.collected(each, at)
+    if np.isinf(value) and np.isinf(coarse):
         return Estimate(np.inf, 0.0)
     with np.errstate(invalid="ignore"):
-        bound = 2.0 * abs(many - few) + SOLUTION * many
-    if not bound <= max(_ACCEPTED * many, SOLUTION):
+        bound = 2.0 * abs(value - coarse) + SOLUTION * value
+    if not bound <= max(_ACCEPTED * value, SOLUTION):
         raise ConvergenceError(
-            f"the passage came out as {many:.6g} with error bound {bound:.2g}: it hangs on a gap "
+            f"the passage came out as {value:.6g} with error bound {bound:.2g}: it hangs on a gap "
             f"as narrow as a cell of the arcs; raise the halfwidth {halfwidth:g} or take a noise "
             "with a smooth density"
         )
     if error > 0.0:
-        bound += max(moved, abs(value(_CELLS, error)[0] - value(_CELLS, -error)[0]))
-    return Estimate(many, bound)
+        above, below = (few.moved(shift).collected(each, at)[0] for shift in (error, -error))
+        bound += max(moved, abs(above - below))
+    return Estimate(value, bound)

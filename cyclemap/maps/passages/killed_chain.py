@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, finite_number
@@ -54,14 +55,17 @@ def outside_of(ends: Arc, lifted: bool) -> tuple[Arc, ...]:
     return ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
 
 
-def required_inside(start: float, ends: Arc) -> float:
-    """``start``, moved by whole turns into the arc, or InvalidInput."""
+def begun(start: float, arc: Arc, lifted: bool) -> tuple[float, Arc, tuple[Arc, ...]]:
+    """``start``, moved by whole turns into the arc, the arc's ends and its exits; InvalidInput
+    where it is no arc, or the start lies outside.
+    """
+    ends = arc_ends(arc, "arc", whole=lifted)
     inside = into_arc(finite_number("start", start), ends)
     if inside is None:
         raise InvalidInput(
             f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it"
         )
-    return inside
+    return inside, ends, outside_of(ends, lifted)
 
 
 def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
@@ -105,11 +109,12 @@ class Elimination:
         collected, gone = _triangular(self.packed, sources, upper=True).T
         if not np.all(np.diag(self.packed) > 0.0):  # some state is never left, in floating point
             return np.full(reward.size, np.inf), np.inf, np.full(reward.size, np.nan)
-        values = _triangular(self.packed, collected)
         # Before the first visit to that state: what is collected, and the chance of leaving.
-        before = _triangular(self.packed[1:, 1:], np.stack([collected[1:], gone[1:]], axis=1))
-        change = before[:, 0] - values[0] * before[:, 1]
-        return self._restored(values), float(values[0]), self._restored(np.append(0.0, change))
+        before = np.stack([collected, gone])
+        before[:, 0] = 0.0
+        values, left, chance = _triangular(self.packed, np.vstack([collected, before]).T).T
+        change = left - values[0] * chance
+        return self._restored(values), float(values[0]), self._restored(change)
 
     def _restored(self, ordered: Array) -> Array:
         values = np.empty_like(ordered)
@@ -131,15 +136,16 @@ def eliminated(q: Array, out: Array) -> Elimination:
         mass = mass @ q
         mass /= max(mass.sum(), np.finfo(float).tiny)
     order = np.argsort(-mass, kind="stable")
-    work = q[np.ix_(order, order)]
-    left = out[order]
-    for high in range(left.size, 0, -_BLOCK):
+    # The first column leads out; all sums are of >= 0.
+    work = np.column_stack([out[order], q[np.ix_(order, order)]])
+    for high in range(out.size, 0, -_BLOCK):
         low = max(0, high - _BLOCK)
-        inside = slice(low, high)
-        # The states of a block among themselves, then towards those before it; all sums are of >=
-        # 0.
-        block = work[inside, inside]
-        away = left[inside] + work[inside, :low].sum(axis=1)
+        rows = slice(low, high)
+        among = slice(low + 1, high + 1)
+        before = slice(0, low + 1)
+        # The states of a block among themselves, then towards those before it.
+        block = work[rows, among]
+        away = work[rows, before].sum(axis=1)
         for k in range(high - low - 1, -1, -1):
             pivot = away[k] + np.sum(block[k, :k])
             share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
@@ -151,13 +157,11 @@ def eliminated(q: Array, out: Array) -> Elimination:
         shares = np.eye(high - low) - np.triu(block, 1)
         moves = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1)
         # An upper triangle is its own LU factor: these only substitute, in sums of >= 0.
-        left[inside] = np.linalg.solve(shares, left[inside])
-        work[inside, :low] = np.linalg.solve(shares, work[inside, :low])
-        work[:low, inside] = np.linalg.solve(moves.T, work[:low, inside].T).T
-        left[:low] += work[:low, inside] @ left[inside]
-        work[:low, :low] += work[:low, inside] @ work[inside, :low]
-    packed = np.negative(work, out=np.empty_like(work, order="F"))
-    np.fill_diagonal(packed, np.diag(work))
+        work[rows, before] = np.linalg.solve(shares, work[rows, before])
+        work[:low, among] = np.linalg.solve(moves.T, work[:low, among].T).T
+        work[:low, before] += work[:low, among] @ work[rows, before]
+    packed = -work[:, 1:]
+    np.fill_diagonal(packed, -np.diag(packed))
     return Elimination(packed, out[order], order)
 
 
@@ -165,20 +169,20 @@ def _triangular(packed: Array, values: Array, *, upper: bool = False) -> Array:
     """Solve with the unit upper factor, or with the lower one, in blocks; nothing cancels when
     ``values`` >= 0.
     """
-    found = np.array(values)
+    solved = np.array(values)
     lows = range(0, packed.shape[0], _BLOCK)
     for low in reversed(lows) if upper else lows:
         inside = slice(low, low + _BLOCK)
         known = slice(low + _BLOCK, None) if upper else slice(0, low)
         block = packed[inside, inside]
         with np.errstate(over="ignore", invalid="ignore"):
-            rest = found[inside] - packed[inside, known] @ found[known]
+            rest = solved[inside] - packed[inside, known] @ solved[known]
         # Turned upside down a lower triangle is an upper one.
         if upper:
-            found[inside] = np.linalg.solve(np.eye(block.shape[0]) + np.triu(block, 1), rest)
+            solved[inside] = np.linalg.solve(np.eye(block.shape[0]) + np.triu(block, 1), rest)
         else:
-            found[inside] = np.linalg.solve(np.tril(block)[::-1, ::-1], rest[::-1])[::-1]
-    return found
+            solved[inside] = np.linalg.solve(np.tril(block)[::-1, ::-1], rest[::-1])[::-1]
+    return solved
 
 
 MAX_UNKNOWNS = 6_000
@@ -220,8 +224,7 @@ def killed_chain(
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05
     bandwidth *= stretch
-    rules = [arc_rule(circle_map, *ends, bandwidth, every_sample=every_sample) for ends in arcs]
-    theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+    theta, weight = _nodes(circle_map, arcs, bandwidth, 1, every_sample)
     if theta.size > most:
         raise InvalidInput(
             f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width"
@@ -229,6 +232,14 @@ def killed_chain(
     return KilledChain(
         circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight
     )
+
+
+def _nodes(
+    circle_map: CircleMap, arcs: tuple[Arc, ...], bandwidth: float, finer: int, every_sample: bool
+) -> tuple[Array, Array]:
+    rules = [arc_rule(circle_map, *ends, bandwidth, finer, every_sample) for ends in arcs]
+    theta, weight = np.concatenate(rules, axis=1)
+    return theta, weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,10 +278,7 @@ class KilledChain:
 
     def finer(self) -> KilledChain:
         """The same chain on twice as many nodes."""
-        rules = [
-            arc_rule(self.map, *ends, self.bandwidth, 2, self.every_sample) for ends in self.arcs
-        ]
-        theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+        theta, weight = _nodes(self.map, self.arcs, self.bandwidth, 2, self.every_sample)
         return replace(self, theta=theta, weight=weight)
 
     def transitions(self, images: Array) -> Array:
@@ -280,23 +288,17 @@ class KilledChain:
 
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
+        low, high = np.array(self.exits).T[:, :, None]
         if not self.lifted:
-            return np.array(
-                [
-                    self.noise.arc_probability(low - images, high - images)
-                    for low, high in self.exits
-                ]
-            )
+            return self.noise.arc_probability(low - images, high - images)
         # An exit is (-inf, end) or (end, inf): how far the noise must carry the image to enter it.
-        gaps = [low - images if np.isinf(high) else images - high for low, high in self.exits]
-        return np.array([self.noise.exceedance(gap) for gap in gaps])
+        return self.noise.exceedance(np.where(np.isinf(high), low - images, images - high))
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
-        ends = [
-            [self.noise.density(end - images, self.lifted) for end in ends] for ends in self.exits
-        ]
-        return np.array([at_low - at_high for at_low, at_high in ends])
+        low, high = np.array(self.exits).T[:, :, None]
+        at_low = self.noise.density(low - images, self.lifted)
+        return at_low - self.noise.density(high - images, self.lifted)
 
     def expected(self, each: float, at: Array) -> Expectation:
         """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on
@@ -370,10 +372,8 @@ class Expectation:
         (size, residual), (other_size, other) = forms
         residual = np.where(size <= other_size, residual, other)
         size = np.minimum(size, other_size)
-        padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
-        widened = np.maximum(
-            np.maximum(padded[:-2], padded[2:]), padded[1:-1]
-        )  # what lies between the nodes
+        # What lies between the nodes.
+        widened = sliding_window_view(np.pad(np.abs(residual), 1, mode="edge"), 3).max(axis=1)
         slope = np.abs(self.growth(images, fine))
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.special import log_ndtr
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -15,10 +15,8 @@ from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
     KilledChain,
-    arc_ends,
+    begun,
     killed_chain,
-    outside_of,
-    required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
 from cyclemap.one_thread import one_thread
@@ -97,11 +95,10 @@ def log10_passage_time(
     312.235583
     """
     sigma = required_noise(noise).sigma
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = required_inside(start, ends)
+    inside, ends, exits = begun(start, arc, lifted)
 
     def chain(every_sample: bool, stretch: float) -> KilledChain:
-        settings = circle_map, noise, (ends,), outside_of(ends, lifted), lifted
+        settings = circle_map, noise, (ends,), exits, lifted
         return killed_chain(*settings, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
     many = sigma is not None and chain(False, 1.0).theta.size > _FEW
@@ -183,30 +180,32 @@ def _without(moves: csr_array, column: int) -> csr_array:
 
 
 def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
-    """(n, n), sparse: chances times h(y)/h(x), but for those below e^-45 of the largest term of out
-    + K h at x.
+    """(n, n), sparse: chances times h(y)/h(x), of the moves that count."""
+    row, column, term = _terms(chain, log_h, out)
+    return csr_array((np.exp(term - log_h[row]), (row, column)), shape=(out.size, out.size))
+
+
+def _terms(chain: KilledChain, log_h: Array, out: Array) -> tuple[Whole, Whole, Array]:
+    """From where, to where, and ln of chance times h(y): but for those below e^-45 of the largest
+    term of out + K h at x.
 
     Blocks of neighbouring nodes are ruled out together, by their largest h and their smallest
     distance.
     """
     theta = chain.theta
-    images = chain.images
+    size = theta.size
     sigma = chain.noise.variance**0.5
-    size = chain.theta.size
     value = log_h + np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     begin = np.arange(0, size, _BLOCK)
     last = np.minimum(begin + _BLOCK, size) - 1
     middle = 0.5 * (theta[begin] + theta[last])
     half = 0.5 * (theta[last] - theta[begin])
-    best = begin + _BLOCK // 2
-    best = np.minimum(best, last)
+    best = np.minimum(begin + _BLOCK // 2, last)
     top = np.maximum.reduceat(value, begin)
-    rows = []
-    columns = []
-    entries = []
+    kept = []
     step = max(1, _ENTRIES // begin.size)
     for at in range(0, size, step):
-        image = images[at : at + step, None]
+        image = chain.images[at : at + step, None]
         sure = value[best] - 0.5 * (chain.distance(theta[best] - image) / sigma) ** 2
         least = np.maximum(sure.max(axis=1), out[at : at + step]) - _CUT
         nearest = np.maximum(chain.distance(middle - image) - half, 0.0)
@@ -218,12 +217,10 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
         term = value[column] - 0.5 * (near / sigma) ** 2
         if not chain.lifted:  # from the two nearest images
             term = np.logaddexp(term, value[column] - 0.5 * ((TWO_PI - near) / sigma) ** 2)
-        kept = term > least[row]
-        rows.append(at + row[kept])
-        columns.append(column[kept])
-        entries.append(np.exp(term[kept] - log_h[at + row[kept]]))
-    place = np.concatenate(rows), np.concatenate(columns)
-    return csr_array((np.concatenate(entries), place), shape=(size, size))
+        counts = term > least[row]
+        kept.append((at + row[counts], column[counts], term[counts]))
+    row, column, term = map(np.concatenate, zip(*kept, strict=True))
+    return row, column, term
 
 
 def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
@@ -240,13 +237,12 @@ def _log_leaving(chain: KilledChain, first: int, out: Array) -> Array:
         raise ConvergenceError(
             f"the map is too fine for {out.size} nodes: raise the noise, or smooth the map"
         )
-    moves = _log_transitions(chain)
-    moves[:, first] = -np.inf
-    value: Array = out
+    value = out
     for _ in range(_ROUNDS):
-        terms = moves + value
-        most = np.maximum(terms.max(axis=1), out)
-        after = most + np.log(np.exp(terms - most[:, None]).sum(axis=1) + np.exp(out - most))
+        row, column, term = _terms(chain, value, out)
+        elsewhere = column != first
+        after = out.copy()
+        np.logaddexp.at(after, row[elsewhere], term[elsewhere])
         change = float(np.max(after - value))
         value = after
         if change < _SETTLED:
@@ -254,20 +250,6 @@ def _log_leaving(chain: KilledChain, first: int, out: Array) -> Array:
     raise ConvergenceError(
         f"the chance of leaving still grows by a factor {np.exp(change):.3g} a round: raise the "
         "noise"
-    )
-
-
-def _log_transitions(chain: KilledChain) -> Array:
-    """(n, n): ln of the chances of going from node to node."""
-    sigma = chain.noise.variance**0.5
-    gap = chain.theta - chain.images[:, None]
-    height = np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
-    if chain.lifted:
-        return np.asarray(height - 0.5 * (gap / sigma) ** 2)
-    near = np.mod(gap, TWO_PI)
-    return np.asarray(
-        height
-        + np.logaddexp.reduce([-0.5 * ((near + turn) / sigma) ** 2 for turn in _TURNS], axis=0)
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -16,13 +15,11 @@ from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.passages.cell_passage import cell_passage
 from cyclemap.maps.passages.killed_chain import (
     Arc,
-    KilledChain,
     arc_ends,
     arcs_between,
+    begun,
     into_arc,
     killed_chain,
-    outside_of,
-    required_inside,
 )
 from cyclemap.one_thread import one_thread
 
@@ -98,15 +95,11 @@ def mean_passage_time(
     >>> round(time, 3), time.error_bound < 1e-9
     (44.624, True)
     """
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = required_inside(start, ends)
-    exits = outside_of(ends, lifted)
+    inside, ends, exits = begun(start, arc, lifted)
     rewards = np.zeros(len(exits))
-    jump = required_noise(noise).jump
-    if jump > 0.0:
-        return cell_passage(circle_map, jump, inside, (ends,), exits, lifted, 1.0, rewards)
-    make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
-    return _certified(make, inside, 1.0, rewards, "mean passage time")
+    return _collected(
+        circle_map, noise, inside, (ends,), exits, lifted, 1.0, rewards, "mean passage time"
+    )
 
 
 @one_thread
@@ -161,30 +154,40 @@ def hitting_probability(
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
     goals = np.array([1.0, 0.0])
-    jump = required_noise(noise).jump
-    if jump > 0.0:
-        chance = cell_passage(circle_map, jump, theta, rest, (a, b), False, 0.0, goals)
-    else:
-        make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
-        chance = _certified(make, theta, 0.0, goals, "hitting probability")
-        if not np.isfinite(chance):
-            raise ConvergenceError(
-                "neither arc is reached within 1e300 cycles: raise the noise or widen the arcs"
-            )
+    chance = _collected(
+        circle_map, noise, theta, rest, (a, b), False, 0.0, goals, "hitting probability"
+    )
+    if not np.isfinite(chance):
+        raise ConvergenceError(
+            "neither arc is reached within 1e300 cycles: raise the noise or widen the arcs"
+        )
     return Estimate(min(chance, 1.0), chance.error_bound)
 
 
-def _certified(
-    make: Callable[..., KilledChain], start: float, each: float, at: Array, name: str
+def _collected(
+    circle_map: CircleMap,
+    noise: Noise | None,
+    start: float,
+    arcs: tuple[Arc, ...],
+    exits: tuple[Arc, ...],
+    lifted: bool,
+    each: float,
+    at: Array,
+    name: str,
 ) -> Estimate:
-    """The expectation at ``start``: on few nodes first, on more where their bound is not good."""
+    """What a path collects on average until it leaves: on few nodes first, on more where their
+    bound is not good.
+    """
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        return cell_passage(circle_map, jump, start, arcs, exits, lifted, each, at)
+    make = partial(killed_chain, circle_map, noise, arcs, exits, lifted)
     for every_sample, stretch in (False, 1.0), (True, _MORE):
-        chain = make(every_sample=every_sample, stretch=stretch)
-        expected = chain.expected(each, at)
+        expected = make(every_sample=every_sample, stretch=stretch).expected(each, at)
         if not abs(expected.top) < LONGEST:
             return Estimate(np.inf, np.inf)
         value = expected.value_at(start)
-        (own, from_map) = expected.error_bounds(start)
+        own, from_map = expected.error_bounds(start)
         own += SOLUTION * abs(value)
         if own <= max(_GOOD * abs(value), min(_ACCEPTED * abs(value), _BESIDE * from_map)):
             return Estimate(value, own + from_map)
@@ -246,9 +249,8 @@ def survival_probabilities(
     """
     count = whole_number("cycles", cycles, least=0)
     require_room("the chances", count, "give fewer cycles")
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = required_inside(start, ends)
-    chain = killed_chain(circle_map, noise, (ends,), outside_of(ends, lifted), lifted)
+    inside, ends, exits = begun(start, arc, lifted)
+    chain = killed_chain(circle_map, noise, (ends,), exits, lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -116,18 +117,9 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     (3575.286, True)
     """
     ends = arc_ends(arc, "arc", whole=True)
-    chain, other = (
-        killed_chain(
-            circle_map,
-            noise,
-            (ends,),
-            outside_of(ends, True),
-            True,
-            every_sample=every,
-            stretch=stretch,
-        )
-        for every, stretch in ((False, _OTHER), (True, 1.0))
-    )
+    make = partial(killed_chain, circle_map, noise, (ends,), outside_of(ends, True), True)
+    chain = make(every_sample=False, stretch=_OTHER)
+    other = make(every_sample=True, stretch=1.0)
     mass, rates = _lasting(chain, chain.images)
     total = float(rates.sum())
     others = _lasting(other, other.images)[1]

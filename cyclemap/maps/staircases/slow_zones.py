@@ -4,7 +4,6 @@ one that wears.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -19,8 +18,8 @@ from cyclemap.maps.lifts.map_algebra import shifted
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
+from cyclemap.maps.passages.killed_chain import killed_chain, outside_of
 from cyclemap.maps.passages.passage_times import mean_passage_time
-from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
@@ -29,16 +28,13 @@ _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
 _FLAT = 1e-9  # radians: a turn that varies by less has no slow zone
 _CORE = 0.5  # a visit must come this much nearer the centre than the arc's ends are
-# noise coefficients neglected by the visits' law and by its check
-_FINE = 1e-10
-_COARSE = 1e-6
-_MAX_BANDWIDTH = 4_000.0
+_STRETCH = 1.4  # bandwidth of the nodes of the visits' law over that of its check
 _MAX_NODES = 2_000
 _LONGEST_VISIT = (
     1e5  # cycles: beyond, visits are taken to be exponential, with the residence as mean
 )
 _TOLERANCE = 1e-2  # turns
-_PANELS = 12  # at most so many first panels when the mean turn is summed over a run
+_KINKS = 12  # knots of a blend, at which its winding bends, up to which each is an end of a panel
 _LINGERING = 1.5  # a ghost's mean density is at least this many times the uniform one
 
 
@@ -192,20 +188,24 @@ def predict_staircase(
     turn = circle_map.turn(grid)
     if np.ptp(turn) <= _FLAT:
         return StaircaseSummary(mean_turn, None, None, ())
-    found = _stable_zones(circle_map, noise)
-    if not found:
+    zones = _stable_zones(circle_map, noise)
+    if not zones:
         share = (np.arange(_INSIDE) + 0.5) / _INSIDE
         for ghost in _ghosts(circle_map, noise, grid, turn):
             inside = ghost.arc[0] + (ghost.arc[1] - ghost.arc[0]) * share
             if TWO_PI * np.mean(known.density(inside)) >= _LINGERING:
-                found.append(ghost)
-    if not found:
+                zones.append(ghost)
+    if not zones:
         return StaircaseSummary(mean_turn, None, None, ())
-    zones = tuple(_with_visits(zone, circle_map, noise, known) for zone in found)
     residences = [zone.residence_cycles for zone in zones]
     mean = float(np.mean(residences))
-    bound = float(np.mean([one.error_bound for one in residences])) if np.isfinite(mean) else 0.0
-    return StaircaseSummary(mean_turn, Estimate(mean, bound), TWO_PI / len(zones), zones)
+    bound = float(np.mean([residence.error_bound for residence in residences]))
+    return StaircaseSummary(
+        mean_turn,
+        Estimate(mean, bound if np.isfinite(mean) else 0.0),
+        TWO_PI / len(zones),
+        tuple(_with_visits(zone, circle_map, noise, known) for zone in zones),
+    )
 
 
 def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
@@ -238,25 +238,22 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
     if not np.any(slow) or np.all(slow):
         return []
     zones = []
-    step = grid[1]
+    step = float(grid[1])
     for first in np.flatnonzero(slow & ~np.roll(slow, 1)).tolist():
         # The slow arc begins at this grid point and ends where |turn| crosses the level.
         ahead = np.roll(turn, -first)
         slowness = np.abs(ahead)
         length = int(np.argmax(slowness >= level))
-        begin = float(grid[first])
         before, after = (
-            (level - slowness[inside]) / (slowness[outside] - slowness[inside])
+            float((level - slowness[inside]) / (slowness[outside] - slowness[inside]))
             for inside, outside in ((0, -1), (length - 1, length))
         )
-        start = float(begin - step * before)
-        end = float(begin + step * (length - 1) + step * after)
+        begin = float(grid[first])
+        arc = begin - step * before, begin + step * (length - 1 + after)
         slowest = int(np.argmin(slowness[:length]))
-        residence = mean_passage_time(
-            still, noise, start if ahead[slowest] >= 0.0 else end, (start, end)
-        )
-        centre = float((begin + step * slowest) % TWO_PI)
-        zones.append(SlowZone(centre, (start, end), "ghost", residence, winding))
+        residence = mean_passage_time(still, noise, arc[int(ahead[slowest] < 0.0)], arc)
+        centre = (begin + step * slowest) % TWO_PI
+        zones.append(SlowZone(centre, arc, "ghost", residence, winding))
     return sorted(zones, key=lambda zone: zone.centre)
 
 
@@ -276,8 +273,8 @@ def _with_visits(
     if residence > _LONGEST_VISIT:
         bound = np.inf if np.isfinite(residence) else 0.0
         return replace(zone, visit_cycles=Estimate(residence, bound), visit_spread=residence)
-    fine = _visit_moments(zone, still, noise, operator, _FINE)
-    coarse = _visit_moments(zone, still, noise, operator, _COARSE) if fine is not None else None
+    fine = _visit_moments(zone, still, noise, operator, _STRETCH)
+    coarse = fine and _visit_moments(zone, still, noise, operator, 1.0)
     if coarse is None or fine is None:
         return zone
     rate, mean, square = fine
@@ -291,41 +288,47 @@ def _visit_moments(
     circle_map: CircleMap,
     noise: Noise,
     operator: TransferOperator,
-    neglected: float,
+    stretch: float,
 ) -> tuple[float, float, float] | None:
-    """Visits begun per cycle, E length, E length²; None where it takes too many nodes."""
-    bandwidth = 4.0
-    while noise.tail(int(bandwidth)) > neglected and bandwidth <= _MAX_BANDWIDTH:
-        bandwidth *= 1.1
-    edges = (zone.arc[0], *zone.core, zone.arc[1])
-    rules = [
-        arc_rule(circle_map, low, high, bandwidth, every_sample=False)
-        for low, high in pairwise(edges)
-    ]
-    theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
-    if bandwidth > _MAX_BANDWIDTH or theta.size > _MAX_NODES:
+    """Visits begun per cycle, E length, E length²; None where it takes too many nodes, or the noise
+    has a density that jumps.
+    """
+    arcs = tuple(pairwise((zone.arc[0], *zone.core, zone.arc[1])))
+    exits = outside_of(zone.arc, lifted=True)
+    try:
+        chain = killed_chain(
+            circle_map,
+            noise,
+            arcs,
+            exits,
+            lifted=True,
+            every_sample=False,
+            stretch=stretch,
+            most=_MAX_NODES,
+        )
+    except InvalidInput:
         return None
-    image = circle_map(theta)
-    kernel = noise.density(theta - image[:, None], lifted=True)
-    stationary = operator.density(theta) * weight
-    starts = stationary - weight * (stationary @ kernel)
-    out = noise.exceedance(zone.arc[1] - image) + noise.exceedance(image - zone.arc[0])
+    theta = chain.theta
+    moves = chain.transitions(chain.images)
+    out = chain.departures(chain.images).sum(axis=0)
+    stationary = operator.density(theta) * chain.weight
+    starts = stationary - stationary @ moves
     ring = (theta < zone.core[0]) | (theta > zone.core[1])
-    missed = _run_moments((kernel * weight)[np.ix_(ring, ring)], out[ring])
-    whole = _run_moments(kernel * weight, out)
-    rate = float(np.sum(starts) - starts[ring] @ missed[0])
-    length, square = (
-        float(starts @ w - starts[ring] @ m) for w, m in zip(whole[1:], missed[1:], strict=True)
+    missed = _run_moments(moves[np.ix_(ring, ring)], out[ring])
+    whole = _run_moments(moves, out)
+    chance, length, square = (
+        float(starts @ of_all - starts[ring] @ of_missed)
+        for of_all, of_missed in zip(whole, missed, strict=True)
     )
-    return (rate, length / rate, square / rate) if rate > 0.0 else None
+    return (chance, length / chance, square / chance) if chance > 0.0 else None
 
 
-def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
+def _run_moments(moves: Array, out: Array) -> tuple[Array, Array, Array]:
     """From each node: the chance to leave by ``out``, and E length and E length² on that event."""
-    runs = np.linalg.inv(np.eye(out.size) - kernel)
+    runs = np.linalg.inv(np.eye(out.size) - moves)
     chance = runs @ out
     length = runs @ chance
-    return chance, length, runs @ (chance + 2.0 * (kernel @ length))
+    return chance, length, runs @ (chance + 2.0 * (moves @ length))
 
 
 @dataclass(frozen=True, eq=False)
@@ -365,7 +368,7 @@ class DriftSummary:
         """Steps expected over the run, ``turns`` × 2π/step; None where the step changes or there is
         none.
         """
-        height = np.array([one.step for one in self.summaries], dtype=np.float64)
+        height = np.array([summary.step for summary in self.summaries], dtype=np.float64)
         return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
 
 
@@ -395,10 +398,11 @@ def predict_drift(
     Notes
     -----
     At each of these cycles, ``predict_staircase`` of the frozen map; and the expected climb Σ_n
-    ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until halving
-    changes the sum by less than a hundredth of a turn, that change being the bound (measured). The
-    law lags behind a drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells
-    how much that may matter, and the start's own approach adds up to a turn.
+    ρ_n, ρ_n the frozen map's rotation number, by adaptive quadrature over the run to a hundredth of
+    a turn; the bound is its estimate of its error, and what the sum may differ from the integral by,
+    from how much the slope of ρ_n changes over the run (measured). The law lags behind a drifting
+    map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter,
+    and the start's own approach adds up to a turn.
 
     References
     ----------
@@ -411,6 +415,8 @@ def predict_drift(
     >>> round(predict_drift(worn, WrappedNormal(1.0), 100, points=2).turns, 9)
     20.0
     """
+    from scipy.integrate import quad_vec  # slow to import
+
     if not isinstance(drifting, DriftingMap):
         raise InvalidInput(
             f"the map is {drifting!r}: give a DriftingMap, or use predict_staircase for a fixed map"
@@ -420,7 +426,7 @@ def predict_drift(
     require_room("the frozen maps", many, "give fewer points")
     chosen = np.linspace(0.0, count - 1.0, many)
     operators = [transfer_operator(drifting.at(n), noise) for n in chosen]
-    summaries = tuple(predict_staircase(one.map, noise, one) for one in operators)
+    summaries = tuple(predict_staircase(operator.map, noise, operator) for operator in operators)
 
     def winding(n: float) -> float:
         """The rotation number without its bound, which costs several times as much."""
@@ -428,56 +434,20 @@ def predict_drift(
         theta, weight = operator.discretisation.rule
         return float((weight * operator.density(theta)) @ operator.map.turn(theta)) / TWO_PI
 
-    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards), by
-    # Simpson's rule.
-    low = -0.5
-    high = count - 0.5
-    rho = winding
-    inner = drifting.cycles[(drifting.cycles > low) & (drifting.cycles < high)]
-    edges = (
-        np.concatenate([[low], inner, [high]])
-        if inner.size < _PANELS
-        else np.linspace(low, high, _PANELS + 1)
-    )
-    allowed = _TOLERANCE / count
-    panels = [
-        _simpson(rho, a, b, (rho(a), rho(0.5 * (a + b)), rho(b)), allowed, 0)
-        for a, b in pairwise(edges)
+    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards).
+    ends = -0.5, count - 0.5
+    inner = drifting.cycles[(drifting.cycles > ends[0]) & (drifting.cycles < ends[1])]
+    kinks = inner if inner.size < _KINKS else ()
+    turns, off = quad_vec(winding, *ends, epsabs=_TOLERANCE, epsrel=0.0, points=kinks)
+    change = np.abs(np.diff([operator.rotation_number for operator in operators]))
+    # That rule is off by an eighth of how much the slope changes, or less.
+    places = np.union1d(chosen, kinks)
+    slopes = np.diff([winding(n) for n in places.tolist()]) / np.diff(places)
+    off += float(np.max(np.abs(slopes)) + np.sum(np.abs(np.diff(slopes)))) / 8.0
+    gaps = [min(pair) for pair in pairwise(operator.spectral_gap for operator in operators)]
+    lags = [
+        moved / gap if gap > 0.0 else float("inf")
+        for moved, gap in zip(change.tolist(), gaps, strict=True)
+        if moved > 0.0
     ]
-    turns = Estimate(
-        float(sum(panel[0] for panel in panels)), float(sum(panel[1] for panel in panels))
-    )
-    change = np.abs(np.diff([one.rotation_number for one in operators]))
-    forgetting = np.array(
-        [1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators]
-    )
-    lag = (
-        float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:])))
-        if np.any(change)
-        else 0.0
-    )
-    return DriftSummary(read_only(chosen), summaries, turns, lag)
-
-
-def _simpson(
-    rho: Callable[[float], float],
-    a: float,
-    b: float,
-    at: tuple[float, float, float],
-    allowed: float,
-    depth: int,
-) -> tuple[float, float]:
-    """The integral over [a, b] and how much the last halving changed it; ``at``: values at a, the
-    middle and b.
-    """
-    middle = 0.5 * (a + b)
-    width = b - a
-    left = rho(0.5 * (a + middle))
-    right = rho(0.5 * (middle + b))
-    once = width / 6.0 * (at[0] + 4.0 * at[1] + at[2])
-    twice = width / 12.0 * (at[0] + 4.0 * left + 2.0 * at[1] + 4.0 * right + at[2])
-    if abs(twice - once) <= allowed * width or depth >= 12:
-        return twice, abs(twice - once)
-    first = _simpson(rho, a, middle, (at[0], left, at[1]), allowed, depth + 1)
-    second = _simpson(rho, middle, b, (at[1], right, at[2]), allowed, depth + 1)
-    return first[0] + second[0], first[1] + second[1]
+    return DriftSummary(read_only(chosen), summaries, Estimate(turns, off), float(sum(lags)))

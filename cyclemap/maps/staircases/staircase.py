@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import (
     finite_array,
     finite_number,
@@ -42,6 +42,29 @@ class Stretch:
     before: CircleMap
     after: CircleMap
     share: Array
+
+    def images(self, theta: Array, cycle: Whole | int) -> Array:
+        """F_n(θ) in cycles n of the stretch, one or as many as ``theta`` has columns."""
+        before = self.before(theta)
+        if self.before is self.after:
+            return before
+        return before + self.share[cycle - self.first] * (self.after(theta) - before)
+
+    def path(self, theta: float, kicks: list[float]) -> list[float]:
+        """The angles to which ``theta`` is carried with these kicks, one a cycle."""
+        visited = []
+        before = self.before.scalar()
+        if self.before is self.after:
+            for kick in kicks:
+                theta = before(theta) + kick
+                visited.append(theta)
+            return visited
+        after = self.after.scalar()
+        for share, kick in zip(self.share.tolist(), kicks, strict=True):
+            image = before(theta)
+            theta = image + share * (after(theta) - image) + kick
+            visited.append(theta)
+        return visited
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,65 +180,54 @@ class DriftingMap:
             raise InvalidInput(
                 f"family is {family!r}: give a callable that turns a parameter into a CircleMap"
             )
-        given: Callable[[int], Any]
-        if callable(schedule):
-            given = schedule
-        else:
-            values = finite_array("schedule", schedule)
+        given = schedule
+        if not callable(given):
+            values = finite_array("schedule", given)
             if values.ndim == 0 or values.shape[0] < count:
                 raise InvalidInput(
                     f"schedule has shape {values.shape}: it needs one entry for each of {count} "
                     "cycles"
                 )
             given = values.__getitem__
-        knots, error = _fitted(
+        return _fitted(
             lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance)
-        )
-        return cls(
-            np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error
         )
 
     def at(self, cycle: float) -> CircleMap:
         """The map frozen at ``cycle`` (any real number)."""
-        now = finite_number("cycle", cycle)
-        after = int(np.searchsorted(self.cycles, now, side="left"))
-        if after == self.cycles.size:
-            return self.maps[-1]
-        if after == 0 or self.cycles[after] == now:
+        now = float(np.clip(finite_number("cycle", cycle), self.cycles[0], self.cycles[-1]))
+        after = int(np.searchsorted(self.cycles, now))
+        if self.cycles[after] == now:
             return self.maps[after]
-        a = self.cycles[after - 1]
-        b = self.cycles[after]
-        return _blended(self.maps[after - 1], self.maps[after], float((now - a) / (b - a)))
+        a, b = self.cycles[after - 1 : after + 1].tolist()
+        return _blended(self.maps[after - 1], self.maps[after], (now - a) / (b - a))
 
     def images(self, theta: Array, cycle: Array) -> Array:
         """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of
         ``theta``.
         """
-        found = np.empty_like(theta)
+        images = np.empty_like(theta)
         for part in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
             here = (cycle >= part.first) & (cycle < part.last)
-            before = part.before(theta[..., here])
-            share = part.share[cycle[here].astype(np.int64) - part.first]
-            found[..., here] = before + share * (part.after(theta[..., here]) - before)
-        return found
+            images[..., here] = part.images(theta[..., here], cycle[here].astype(np.int64))
+        return images
 
     def stretches(self, first: int, last: int) -> Iterator[Stretch]:
         """The cycles first, ..., last - 1 in stretches between neighbouring maps, in order."""
         inner = np.ceil(self.cycles[(self.cycles > first) & (self.cycles < last)]).astype(int)
-        bounds = np.unique(np.concatenate([[first], inner, [last]]))
-        for low, high in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        bounds = np.unique([first, *inner, last]).tolist()
+        for low, high in pairwise(bounds):
             after = min(int(np.searchsorted(self.cycles, low, side="right")), self.cycles.size - 1)
             before = max(after - 1, 0) if low < self.cycles[after] else after
-            a = self.cycles[before]
-            width = self.cycles[after] - self.cycles[before] if after > before else 1.0
-            share = np.clip((np.arange(low, high) - a) / width, 0.0, 1.0)
+            ends = self.cycles[[before, after]]
+            share = np.interp(np.arange(low, high), ends, [0.0, 1.0])
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
 
 
-def _fitted(
-    at: Callable[[int], CircleMap], last: int, tolerance: float
-) -> tuple[dict[int, CircleMap], float]:
-    """The maps at the chosen cycles, and the largest difference that was accepted."""
+def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> DriftingMap:
+    """The blend of the maps at chosen cycles; ``max_error``: the largest difference that was
+    accepted.
+    """
     ends = np.unique(np.linspace(0, last, _PIECES + 1).astype(int)).tolist()
     knots = {n: at(n) for n in ends}
     worst = 0.0
@@ -223,10 +235,11 @@ def _fitted(
     while waiting:
         a, b = waiting.pop()
         tried = {n: at(n) for n in {(3 * a + b) // 4, (a + b) // 2, (a + 3 * b) // 4} - {a, b}}
+        before = knots[a](_GRID)
+        change = knots[b](_GRID) - before
         error = 0.0
         for n, truth in tried.items():
-            share = (n - a) / (b - a)
-            blend = (1.0 - share) * knots[a](_GRID) + share * knots[b](_GRID)
+            blend = before + (n - a) / (b - a) * change
             error = max(error, float(np.max(np.abs(blend - truth(_GRID)))))
         if error <= tolerance:
             worst = max(worst, error)
@@ -238,7 +251,8 @@ def _fitted(
             middle = (a + b) // 2
             knots[middle] = tried[middle]
             waiting += [(a, middle), (middle, b)]
-    return knots, worst
+    order = sorted(knots)
+    return DriftingMap(np.array(order, dtype=float), tuple(knots[n] for n in order), worst)
 
 
 def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
@@ -413,33 +427,19 @@ def sample_staircase(
     [0.0, 0.5, 1.0, 1.5, 2.0]
     """
     count = whole_number("cycles", cycles, least=1)
-    theta = begin = finite_number("start", start)
-    rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    _check(circle_map, noise)
+    begin = finite_number("start", start)
     if isinstance(noise, LocalNoise):
-        path = sample_staircases(circle_map, noise, count, [theta], seed)[0]
+        path = sample_staircases(circle_map, noise, count, [begin], seed)[0]
         return Staircase(path, seed, begin)
+    rng = _generator(circle_map, noise, seed)
     require_room("the path", count, "give fewer cycles")
     path = np.empty(count + 1)
-    path[0] = theta
+    path[0] = begin
     for at in range(0, count, _CHUNK):
-        size = min(_CHUNK, count - at)
-        kicks = np.zeros(size) if noise is None else noise.sample(rng, size)
-        for part in _stretches(circle_map, at, at + size):
-            visited = []
+        kicks = _kicks(noise, rng, min(_CHUNK, count - at))
+        for part in _stretches(circle_map, at, at + kicks.size):
             given = kicks[part.first - at : part.last - at].tolist()
-            before = part.before.scalar()
-            after = part.after.scalar()
-            if part.before is part.after:
-                for kick in given:
-                    theta = before(theta) + kick
-                    visited.append(theta)
-            else:
-                for share, kick in zip(part.share.tolist(), given, strict=True):
-                    image = before(theta)
-                    theta = image + share * (after(theta) - image) + kick
-                    visited.append(theta)
-            path[part.first + 1 : part.last + 1] = visited
+            path[part.first + 1 : part.last + 1] = part.path(float(path[part.first]), given)
     return Staircase(read_only(path), seed, begin)
 
 
@@ -481,51 +481,45 @@ def sample_staircases(
     """
     count = whole_number("cycles", cycles, least=1)
     begin = finite_array("starts", starts, ndim=1)
-    rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    _check(circle_map, noise)
+    rng = _generator(circle_map, noise, seed)
     if begin.size == 0:
         raise InvalidInput("starts is empty: give one angle a path")
     require_room("the paths", begin.size * count, "give fewer cycles or starts")
-    paths = np.empty((begin.size, count + 1))
-    paths[:, 0] = theta = begin
+    paths = np.empty((count + 1, begin.size))
+    paths[0] = begin
     block = max(1, min(count, _DRAWS // begin.size))
-    kicks = np.zeros((0, begin.size))
+    kicks = None
     for at in range(0, count, block):
-        size = min(block, count - at)
+        size = min(block, count - at), begin.size
         if isinstance(noise, LocalNoise):  # in its own σ, each like the one before
-            kicks = noise.units(rng, (size, begin.size), kicks[-1] if at else None)
+            kicks = noise.units(rng, size, None if kicks is None else kicks[-1])
         else:
-            kicks = (
-                np.zeros((size, begin.size))
-                if noise is None
-                else noise.sample(rng, (size, begin.size))
-            )
-        visited = np.empty((size, begin.size))
-        for part in _stretches(circle_map, at, at + size):
+            kicks = _kicks(noise, rng, size)
+        for part in _stretches(circle_map, at, at + size[0]):
             for n in range(part.first, part.last):
-                kick = kicks[n - at]
-                kick = noise.sigma(theta) * kick if isinstance(noise, LocalNoise) else kick
-                image = part.before(theta)
-                if part.before is not part.after:
-                    image = image + part.share[n - part.first] * (part.after(theta) - image)
-                theta = image + kick
-                visited[n - at] = theta
-        paths[:, at + 1 : at + 1 + size] = visited.T
-    paths.setflags(write=False)
-    return paths
+                scale = noise.sigma(paths[n]) if isinstance(noise, LocalNoise) else 1.0
+                paths[n + 1] = part.images(paths[n], n) + scale * kicks[n - at]
+    return read_only(paths.T)
 
 
-def _check(circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None) -> None:
+def _generator(
+    circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None, seed: int
+) -> np.random.Generator:
+    """The random numbers of a path, once it is sure that it can be followed."""
     if not isinstance(circle_map, CircleMap | DriftingMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap or a DriftingMap")
     if noise is not None and not isinstance(noise, Noise | LocalNoise):
         raise InvalidInput(
             f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None"
         )
+    return np.random.default_rng(whole_number("seed", seed, least=0))
+
+
+def _kicks(noise: Noise | None, rng: np.random.Generator, size: int | tuple[int, int]) -> Array:
+    return np.zeros(size) if noise is None else noise.sample(rng, size)
 
 
 def _stretches(circle_map: CircleMap | DriftingMap, first: int, last: int) -> Iterator[Stretch]:
     if isinstance(circle_map, DriftingMap):
-        yield from circle_map.stretches(first, last)
-    else:
-        yield Stretch(first, last, circle_map, circle_map, np.empty(0))
+        return circle_map.stretches(first, last)
+    return iter([Stretch(first, last, circle_map, circle_map, np.empty(0))])

@@ -237,25 +237,6 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
-    expected = zone.visit_cycles
-    spread = zone.visit_spread
-    chance = None
-    if (
-        expected is not None
-        and spread is not None
-        and spread > 0.0
-        and np.isfinite(expected)
-        and exposure > 0.0
-    ):
-        from scipy.special import gammainc
-
-        # P(at least so many exits) = P(that many visits take less than the exposure), with
-        # gamma-distributed sums.
-        shape = (expected / spread) ** 2
-        scale = spread * (spread / expected)
-        as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
-        middle = 0.5 * (as_many + float(gammainc(shape * (exits + 1), exposure / scale)))
-        chance = min(1.0, 2.0 * min(middle, 1.0 - middle))
     return VisitComparison(
         zone=zone,
         exits=exits,
@@ -264,5 +245,22 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
         spread=float(np.std(lengths[closed], ddof=1)) if exits > 1 else None,
         predicted=zone.visit_cycles,
         ratio=_ratio(mean, zone.visit_cycles),
-        mean_p_value=chance,
+        mean_p_value=_exits_p_value(exits, exposure, zone),
     )
+
+
+def _exits_p_value(exits: int, exposure: float, zone: SlowZone) -> float | None:
+    """P(at least so many exits) = P(that many visits take less than the exposure), with
+    gamma-distributed sums, to both sides.
+    """
+    expected = zone.visit_cycles
+    spread = zone.visit_spread
+    if expected is None or not spread or not np.isfinite(expected) or exposure == 0.0:
+        return None
+    from scipy.special import gammainc
+
+    shape = (expected / spread) ** 2
+    scale = spread * (spread / expected)
+    as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
+    middle = 0.5 * (as_many + float(gammainc(shape * (exits + 1), exposure / scale)))
+    return min(1.0, 2.0 * min(middle, 1.0 - middle))

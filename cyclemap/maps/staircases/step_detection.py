@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, stretches
 from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
@@ -178,26 +178,21 @@ def _best_window(path: Array) -> Steps:
         return _made(path, [(0, path.size - 1)], span / 2.0)
     jitter = float(np.median(np.abs(np.diff(path))))
     windows = [widest * 0.5**halving for halving in range(_HALVINGS + 1)]
-    found = [_within(path, window) for window in windows if window >= _JITTERS * jitter]
-    # share of the cycles in dwells, less that of their scatter in the height travelled
-    contrast = []
-    for steps in found:
-        ends = (
-            [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])]
-            if steps.start.size
-            else [0.0]
-        )
-        travelled = float(np.sum(np.abs(steps.heights)) + np.sum(ends))
-        covered = _SPAN * float(np.sum(steps.scatter))
-        share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
-        contrast.append(
-            share - min(1.0, covered / travelled if travelled > 0.0 else 1.0)
-            if steps.start.size
-            else 0.0
-        )
+    tried = [_within(path, window) for window in windows if window >= _JITTERS * jitter]
+    contrast = [_contrast(path, steps) for steps in tried]
     if max(contrast, default=0.0) < _CONTRAST:
         return _made(path, [], widest)
-    return found[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
+    return tried[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
+
+
+def _contrast(path: Array, steps: Steps) -> float:
+    """Share of the cycles in dwells, less that of their scatter in the height travelled."""
+    if steps.start.size == 0:
+        return 0.0
+    travelled = float(np.sum(np.abs(np.diff([path[0], *steps.levels, path[-1]]))))
+    covered = _SPAN * float(np.sum(steps.scatter))
+    share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
+    return share - (min(1.0, covered / travelled) if travelled > 0.0 else 1.0)
 
 
 def _within(path: Array, window: float) -> Steps:
@@ -209,19 +204,14 @@ def _within(path: Array, window: float) -> Steps:
     # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height
     # they cover.
     whole = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float)
-    shortest = _SHORTEST
+    shortest = 0.0
     if whole.size:
-        shortest = max(
-            _SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2)))
-        )
+        shortest = np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))
+    shortest = max(_SHORTEST, shortest)
     # Runs of cycles in which each neighbouring pair lies in one of the long windows.
-    long = np.flatnonzero(length >= shortest)
-    cover = np.zeros(path.size + 1)
-    np.add.at(cover, long, 1.0)
-    np.add.at(cover, reach[long], -1.0)
-    edges = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False]))
+    farthest = np.maximum.accumulate(np.where(length >= shortest, reach, -1))
     runs = []
-    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for first, last in stretches(farthest > cycle):
         # Without the ends that already lead away.
         away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
         kept = first + np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
@@ -259,10 +249,8 @@ def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     """Steps from runs in order: neighbours less than the window's height apart are one dwell."""
     start, end = (np.array([run[side] for run in runs], dtype=np.int64) for side in (0, 1))
     level = np.array([path[a : b + 1].mean() for a, b in runs])
-    dwell = np.cumsum(np.r_[0, np.abs(np.diff(level)) > 2.0 * window])[: start.size].astype(
-        np.int64
-    )
-    return _gathered(path, start, end, dwell, np.full(start.size, -1), ())
+    moves = np.abs(np.diff(level)) > 2.0 * window
+    return _gathered(path, start, end, moves, np.full(start.size, -1), ())
 
 
 def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
@@ -272,38 +260,44 @@ def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
             f"zones is {zones!r}: give one SlowZone or more, all of the same winding"
         )
     still = path - TWO_PI * windings.pop() * np.arange(path.size)
-    # first and last cycle, turns of the copy and zone of each run in an arc that reaches its core
-    found = []
+    visits = []
     for i, zone in enumerate(zones):
         copy = np.floor((still - zone.arc[0]) / TWO_PI).astype(np.int64)
         place = still - TWO_PI * copy
         inside = place < zone.arc[1]
         deep = np.r_[0, np.cumsum((place >= zone.core[0]) & (place <= zone.core[1]))]
-        breaks = np.flatnonzero((np.diff(inside.astype(np.int8)) != 0) | (np.diff(copy) != 0)) + 1
-        first = np.r_[0, breaks]
-        last = np.r_[breaks, path.size] - 1
+        # Runs in one copy of the arc, of which those that reach its core are kept.
+        edges = np.flatnonzero(np.diff(2 * copy + inside)) + 1
+        first = np.r_[0, edges]
+        last = np.r_[edges, path.size] - 1
         kept = inside[first] & (deep[last + 1] > deep[first])
-        first = first[kept]
-        last = last[kept]
-        found.append(np.stack([first, last, copy[first], np.full(first.size, i)], axis=1))
-    visits = np.concatenate(found)
-    start, end, copy, index = visits[np.argsort(visits[:, 0], kind="stable")].T
-    moves = (np.diff(copy) != 0) | (np.diff(index) != 0)
-    dwell = np.cumsum(np.r_[0, moves])[: start.size].astype(np.int64)
-    return _gathered(still, start, end, dwell, index, zones)
+        index = np.full(first.size, i)
+        visits.append(np.stack([first, last, copy[first], index])[:, kept])
+    table = np.concatenate(visits, axis=1)
+    start, end, copy, index = table[:, np.argsort(table[0], kind="stable")]
+    return _gathered(still, start, end, (np.diff(copy) != 0) | (np.diff(index) != 0), index, zones)
 
 
 def _gathered(
-    path: Array, start: Whole, end: Whole, dwell: Whole, zone: Whole, zones: tuple[SlowZone, ...]
+    path: Array, start: Whole, end: Whole, moves: Mask, zone: Whole, zones: tuple[SlowZone, ...]
 ) -> Steps:
-    """Steps from visits and the dwell each belongs to."""
-    many = int(dwell[-1]) + 1 if dwell.size else 0
-    first = np.searchsorted(dwell, np.arange(many))
-    last = np.searchsorted(dwell, np.arange(many), side="right") - 1
+    """Steps from visits, between which the path moves on to another dwell or not."""
+    first = np.flatnonzero(np.append(True, moves)[: start.size])
+    last = np.flatnonzero(np.append(moves, True)[: start.size])
     stays = [
         np.concatenate([path[start[v] : end[v] + 1] for v in range(a, b + 1)])
-        for a, b in zip(first, last, strict=True)
+        for a, b in zip(first.tolist(), last.tolist(), strict=True)
     ]
-    levels, scatter = (read_only([float(f(stay)) for stay in stays]) for f in (np.mean, np.std))
-    whole = (path.size - 1, float(path[-1] - path[0]), zones)
-    return Steps(start[first], end[last], levels, scatter, start, end, dwell, zone, *whole)
+    return Steps(
+        start=start[first],
+        end=end[last],
+        levels=read_only([np.mean(stay) for stay in stays]),
+        scatter=read_only([np.std(stay) for stay in stays]),
+        visit_start=start,
+        visit_end=end,
+        visit_dwell=np.repeat(np.arange(first.size), last - first + 1),
+        visit_zone=zone,
+        cycles=path.size - 1,
+        climb=float(path[-1] - path[0]),
+        zones=zones,
+    )

@@ -15,15 +15,21 @@ static const int ALONG_CONE[] = {0, 1, 1, 2}, ALONG_SIDE[] = {1, 2, 2, 4};
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
 enum { SUM_SPEED, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY, SUM_SIZE };
 
-/* What is summed at a twist about the centroid, under a quadratic; frame: w of places, image: the
-   quadratic of w. */
+/* The velocity plane, w = still + turn x; image: the quadratic of w. */
+typedef struct {
+    double still[2], turn[MATRIX_SIZE], image[QUADRATIC_SIZE];
+} Plane;
+
+/* What is summed at a twist about the centroid, under a quadratic; motion: how the plane moves with
+   M. Sums of how D and force move are followed by the force. */
 typedef struct {
     Friction *f;
     const double *quadratic;
     int is_far, digits;
-    double image[QUADRATIC_SIZE], moved[WRENCH];
+    double moved[WRENCH];
+    Plane plane, motion;
     Frame frame;
-    Lanes sums[SUM_SIZE];
+    Wide sums[SUM_SIZE];
     Sums places;
 } Cones;
 
@@ -39,65 +45,141 @@ static void begin_cones(Cones *c, Friction *f, const double *quadratic, int is_f
         return;
     }
     memset(c->sums, 0, sizeof c->sums);
-    const double *given[] = {f->twist, f->matrix, quadratic};
-    double *results[] = {c->image};
-    pressed_image(given, results, 0, 0, 0);
+    for (int i = 0; i < (f->toward ? 2 : 1); ++i) {
+        Plane *plane = i ? &c->motion : &c->plane;
+        const double *given[] = {f->twist, f->matrix, quadratic, f->toward};
+        double *results[] = {plane->image};
+        (i ? pressed_image_toward : pressed_image)(given, results, 0, 0, 0);
+        Friction by = {.twist = f->twist, .matrix = i ? f->toward : f->matrix};
+        Frame frame = frame_of(&by, 0.0, 0.0, 1.0, 1.0);
+        memcpy(plane->still, frame.middle, sizeof plane->still);
+        for (int k = 0; k < MATRIX_SIZE; ++k) plane->turn[k] = frame.omega * frame.spin[k];
+    }
 }
 
-/* From afar: places along the cone from the centroid to a place on the boundary. */
-static inline void add_far_cone(Cones *c, double end_x, double end_y, double cross) {
+/* From afar: places along the cones from the centroid to nodes on the boundary, as add_places
+   (pressure.c) has them. */
+static WIDENED void add_far_nodes(Cones *c, const Nodes *nodes) {
+    const double *p = c->quadratic, *turn = c->frame.spin, *still = c->frame.middle;
+    double omega = c->frame.omega;
+    Wide sums[FRICTION_SIZE] = {{0.0}};
     int rule = ALONG_CONE[c->digits];
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Lanes x, y, share;
-        for (int k = 0; k < LANES; ++k) {
-            double s = 0.5 * (1.0 + BOUNDARY_NODES[j + k]);
-            x[k] = s * end_x;
-            y[k] = s * end_y;
-            share[k] = s * cross * BOUNDARY_WEIGHTS[j + k] * pressure_at(c->quadratic, x[k], y[k]);
+    for (int i = 0; i < nodes->count; i += WIDTH) {
+        Wide end_x = taken(nodes->x + i), end_y = taken(nodes->y + i);
+        Wide cross = end_x * taken(nodes->dy + i) - end_y * taken(nodes->dx + i);
+        Wide linear = p[Q_SLOPE_X] * end_x + p[Q_SLOPE_Y] * end_y;
+        Wide square = p[Q_XX] * end_x * end_x + p[Q_YY] * end_y * end_y;
+        square += 2.0 * p[Q_XY] * end_x * end_y;
+        Wide turn_x = turn[M_XX] * end_x + turn[M_XY] * end_y;
+        Wide turn_y = turn[M_YX] * end_x + turn[M_YY] * end_y;
+        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
+            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), weight = s * BOUNDARY_WEIGHTS[j];
+            Wide share = weight * cross * (p[Q_LEVEL] + s * (linear + s * square));
+            Wide px = s * turn_x, py = s * turn_y;
+            Wide wx = still[X] + omega * px, wy = still[Y] + omega * py;
+            Wide slowness = 1.0 / roots(wx * wx + wy * wy + 1e-300);
+            Wide ux = wx * slowness, uy = wy * slowness, k = share * slowness;
+            Wide spin = ux * py - uy * px, kx = -k * uy, ky = k * ux;
+            sums[FORCE_X] += share * ux;
+            sums[FORCE_Y] += share * uy;
+            sums[TORQUE] += share * (ux * px + uy * py);
+            sums[XX] -= kx * uy;
+            sums[XY] += kx * ux;
+            sums[YY] += ky * ux;
+            sums[XW] += kx * spin;
+            sums[YW] += ky * spin;
+            sums[WW] += k * spin * spin;
         }
-        if (!c->f->toward) add_places(&c->frame, &x, &y, &share, &c->places);
-        for (int k = 0; k < LANES && c->f->toward; ++k) {
-            double found[WRENCH], *results[] = {found};
-            const double place[] = {x[k], y[k]};
+    }
+    for (int k = 0; k < FRICTION_SIZE; ++k) c->places.of[k][0] += summed(sums + k);
+}
+
+/* How what they add moves. */
+static void move_far_nodes(Cones *c, const Nodes *nodes) {
+    int rule = ALONG_CONE[c->digits];
+    for (int i = 0; i < nodes->count; ++i) {
+        double x = nodes->x[i], y = nodes->y[i], cross = x * nodes->dy[i] - y * nodes->dx[i];
+        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
+            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), found[WRENCH], *results[] = {found};
+            const double place[] = {s * x, s * y};
             const double *given[] = {c->f->twist, c->f->matrix, place, c->f->toward};
             point_toward(given, results, 0, 0, 0);
-            add(c->moved, found, share[k], WRENCH);
+            double share = s * cross * BOUNDARY_WEIGHTS[j];
+            add(c->moved, found, share * pressure_at(c->quadratic, place[X], place[Y]), WRENCH);
         }
     }
 }
 
-/* Thin cones from the centre of rotation, w = 0, to places w on the boundary. */
-static ALWAYS_INLINE void add_cones(const Lanes *image, const Boundary *at, Lanes *sums) {
-    Lanes x = at->x, y = at->y, xx = x * x, yy = y * y;
-    Lanes level = at->cross * image[Q_LEVEL];
-    Lanes first = at->cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
-    Lanes second = at->cross * (image[Q_XX] * xx + image[Q_XY] * (x * y) + image[Q_YY] * yy);
-    Lanes slowness = 1.0 / rooted(xx + yy + 1e-300), ux = x * slowness, uy = y * slowness;
-    Lanes power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
-    Lanes force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
-    Lanes bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
-    Lanes bent_x = bent * ux, bent_y = bent * uy;
-    sums[SUM_SPEED] += power * (x * ux + y * uy);
-    sums[SUM_X] += force * ux;
-    sums[SUM_Y] += force * uy;
-    sums[SUM_XX] += bent_y * uy;
-    sums[SUM_XY] -= bent_x * uy;
-    sums[SUM_YY] += bent_x * ux;
+/* Images of places, and of how the boundary goes on there. */
+static ALWAYS_INLINE void turn_by(const Plane *p, Wide x, Wide y, Wide *to) {
+    to[X] = p->turn[M_XX] * x + p->turn[M_XY] * y;
+    to[Y] = p->turn[M_YX] * x + p->turn[M_YY] * y;
 }
 
-/* How D and force of a thin cone move. */
-static void move_cone(Cones *c, double x, double y, double cross) {
-    double found[WRENCH], *results[] = {found};
-    const double cone[] = {x, y, cross};
-    const double *given[] = {c->f->twist, c->f->matrix, cone, c->quadratic, c->f->toward};
-    pressed_cone_toward(given, results, 0, 0, 0);
-    add(c->moved, found, 1.0, WRENCH);
+static ALWAYS_INLINE void image_at(const Plane *p, Wide x, Wide y, Wide *to) {
+    turn_by(p, x, y, to);
+    to[X] += p->still[X];
+    to[Y] += p->still[Y];
 }
 
-static inline void velocity_at(const Frame *e, const double *place, double *w) {
-    const double *t = e->spin;
-    w[X] = e->middle[X] + e->omega * (t[M_XX] * place[X] + t[M_XY] * place[Y]);
-    w[Y] = e->middle[Y] + e->omega * (t[M_YX] * place[X] + t[M_YY] * place[Y]);
+/* Thin cones from the centre of rotation, w = 0, to nodes on the boundary. */
+static WIDENED void add_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+    const double *image = c->plane.image, twist = 2.0 * image[Q_XY];
+    Wide sums[SUM_SIZE];
+    memcpy(sums, c->sums, sizeof sums);
+    for (int i = from; i < to; i += WIDTH) {
+        Wide w[2], dw[2];
+        image_at(&c->plane, taken(nodes->x + i), taken(nodes->y + i), w);
+        turn_by(&c->plane, taken(nodes->dx + i), taken(nodes->dy + i), dw);
+        Wide x = w[X], y = w[Y], cross = ones(to - i) * (x * dw[Y] - y * dw[X]);
+        Wide square = x * x + y * y + 1e-300;
+        Wide slowness = 1.0 / roots(square), ux = x * slowness, uy = y * slowness;
+        Wide level = cross * image[Q_LEVEL];
+        Wide first = cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
+        Wide second = cross * (x * (image[Q_XX] * x + twist * y) + image[Q_YY] * (y * y));
+        Wide power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
+        Wide force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
+        Wide bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
+        Wide bent_x = bent * ux, bent_y = bent * uy;
+        sums[SUM_SPEED] += power * (square * slowness);
+        sums[SUM_X] += force * ux;
+        sums[SUM_Y] += force * uy;
+        sums[SUM_XX] += bent_y * uy;
+        sums[SUM_XY] -= bent_x * uy;
+        sums[SUM_YY] += bent_x * ux;
+    }
+    memcpy(c->sums, sums, sizeof sums);
+}
+
+/* What functions of a side or a cone are given: its numbers, and the quadratic of w, the same
+   everywhere. */
+static ALWAYS_INLINE void give_image(const Plane *plane, Wide *to) {
+    for (int k = 0; k < QUADRATIC_SIZE; ++k) to[k] = all(plane->image[k]);
+}
+
+/* How D and force of thin cones move. */
+static WIDENED void move_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+    enum { CONE = 3, ROOM = CONE + QUADRATIC_SIZE };
+    Wide given[2 * ROOM], found[SUM_SIZE], *motion = given + ROOM;
+    give_image(&c->plane, given + CONE);
+    give_image(&c->motion, motion + CONE);
+    for (int i = from; i < to; i += WIDTH) {
+        Wide x = taken(nodes->x + i), y = taken(nodes->y + i), w[2], v[2];
+        Wide dx = ones(to - i) * taken(nodes->dx + i), dy = ones(to - i) * taken(nodes->dy + i);
+        image_at(&c->plane, x, y, given);
+        turn_by(&c->plane, dx, dy, w);
+        image_at(&c->motion, x, y, motion);
+        turn_by(&c->motion, dx, dy, v);
+        given[2] = given[X] * w[Y] - given[Y] * w[X];
+        motion[2] = motion[X] * w[Y] - motion[Y] * w[X] + given[X] * v[Y] - given[Y] * v[X];
+        pressed_cone_toward(given, found);
+        for (int k = 0; k <= SUM_XY; ++k) c->sums[k] += found[k];
+    }
+}
+
+static inline void velocity_at(const Plane *p, const double *place, double *w) {
+    w[X] = p->still[X] + p->turn[M_XX] * place[X] + p->turn[M_XY] * place[Y];
+    w[Y] = p->still[Y] + p->turn[M_YX] * place[X] + p->turn[M_YY] * place[Y];
 }
 
 /* Without C's care for what is not finite. */
@@ -144,118 +226,107 @@ static int panel_rule(int rule, int zero_count, const double complex *zeros, dou
     return rule;
 }
 
-/* Cones to a panel of an arc's image. */
-static void add_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
-    Lanes sums[SUM_SIZE], image[QUADRATIC_SIZE];
-    for (int k = 0; k < QUADRATIC_SIZE; ++k) image[k] = all(c->image[k]);
-    image[Q_XY] *= 2.0;
-    memcpy(sums, c->sums, sizeof sums);
-    for (int j = BOUNDARY_FIRST[panel->rule]; j < BOUNDARY_FIRST[panel->rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(sweep, panel, j, &at);
-        add_cones(image, &at, sums);
-    }
-    memcpy(c->sums, sums, sizeof sums);
-}
-
-/* How what they add moves; the arc is seen from the centre of rotation. */
-static void move_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
-    const double *v = c->f->twist, centre[] = {-v[VY] / v[OMEGA], v[VX] / v[OMEGA]};
-    for (int j = BOUNDARY_FIRST[panel->rule]; j < BOUNDARY_FIRST[panel->rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(sweep, panel, j, &at);
-        for (int k = 0; k < LANES; ++k)
-            move_cone(c, at.x[k] + centre[X], at.y[k] + centre[Y], at.cross[k]);
-    }
+static void sum_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+    if (c->f->toward)
+        move_nodes(c, nodes, from, to);
+    else
+        add_nodes(c, nodes, from, to);
 }
 
 /* Panels are halved towards what is singular; the poles' half axis grows at least by its distance
    from 1. */
-static void add_panels(Cones *c, const Sweep *sweep, double axis, int zero_count,
-                       const double complex *zeros, double low, double high) {
+static void add_panels(Cones *c, const Arc *arc, Axis axis, int zero_count,
+                       const double complex *zeros, double low, double high, Nodes *nodes) {
     int rule = panel_rule(arc_rule(axis, c->digits), zero_count, zeros, low, high, c->digits);
     double middle = 0.5 * (low + high);
     if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
-        add_panels(c, sweep, 2.0 * axis - 1.0, zero_count, zeros, low, middle);
-        add_panels(c, sweep, 2.0 * axis - 1.0, zero_count, zeros, middle, high);
+        double farther = 2.0 * sqrt(axis.above / axis.below) - 1.0;
+        axis = (Axis){farther * farther, 1.0};
+        add_panels(c, arc, axis, zero_count, zeros, low, middle, nodes);
+        add_panels(c, arc, axis, zero_count, zeros, middle, high, nodes);
         return;
     }
-    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
-    if (c->f->toward)
-        move_panel(c, sweep, &panel);
-    else
-        add_panel(c, sweep, &panel);
+    if (rule == BOUNDARY_RULE_COUNT) rule = LEAST_RULE;
+    if (put_nodes(nodes, arc, rule, low, high)) return;
+    sum_nodes(c, nodes, 0, nodes->count);
+    nodes->count = 0;
+    put_nodes(nodes, arc, rule, low, high);
 }
 
-static void add_arc_of(Cones *c, const Arc *arc) {
-    int rule = arc_rule(arc->axis, c->digits);
-    if (!c->is_far) {
-        const double *from[] = {arc->a, arc->c, arc->b}, *v = c->f->twist;
+/* Arcs by the nodes that they have, but for those near the centre of rotation. */
+static void add_arcs(Cones *c, const Pressed *at) {
+    int from = 0;
+    Nodes finer;
+    finer.count = 0;
+    for (int i = 0; i < at->arc_count; ++i) {
+        const Arc *arc = at->arcs + i;
+        const double *of[] = {arc->a, arc->c, arc->b};
+        int last = BOUNDARY_RULE_COUNT - 1, least = arc->rule < last ? arc->rule : last;
         double complex zeros[ZEROS];
-        double at[3][2];
-        for (int i = 0; i < 3; ++i) velocity_at(&c->frame, from[i], at[i]);
-        int least = rule < BOUNDARY_RULE_COUNT ? rule : BOUNDARY_RULE_COUNT - 1;
+        double image[3][2];
+        for (int k = 0; k < 3; ++k) velocity_at(&c->plane, of[k], image[k]);
         double reach = BOUNDARY_REACH[c->digits][least];
-        int zero_count = zeros_of(arc->weight, at[0], at[1], at[2], reach, zeros);
-        /* w is summed in its own plane; how it moves, off the centre of rotation */
-        for (int i = 0; i < 3 && c->f->toward; ++i) {
-            at[i][X] = from[i][X] + v[VY] / v[OMEGA];
-            at[i][Y] = from[i][Y] - v[VX] / v[OMEGA];
-        }
-        Sweep sweep = sweep_of(arc->weight, at[0], at[1], at[2]);
-        add_panels(c, &sweep, arc->axis, zero_count, zeros, -1.0, 1.0);
-        return;
+        int zero_count = zeros_of(arc->weight, image[0], image[1], image[2], reach, zeros);
+        int rule = panel_rule(arc->rule, zero_count, zeros, -1.0, 1.0, c->digits);
+        if (rule == arc->rule && rule < BOUNDARY_RULE_COUNT) continue;
+        sum_nodes(c, &at->nodes, from, arc->first);
+        add_panels(c, arc, axis_of(arc->weight), zero_count, zeros, -1.0, 1.0, &finer);
+        from = i + 1 < at->arc_count ? arc[1].first : at->nodes.count;
     }
-    if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
-    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
-    Panel whole = {0.0, 1.0, rule};
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(&sweep, &whole, j, &at);
-        for (int k = 0; k < LANES; ++k) add_far_cone(c, at.x[k], at.y[k], at.cross[k]);
-    }
+    sum_nodes(c, &at->nodes, from, at->nodes.count);
+    sum_nodes(c, &finer, 0, finer.count);
 }
 
 /* Sides of the contact, some at once. */
-static void add_pressed_sides(Cones *c, const Pressed *at) {
-    Lanes given[EDGE_SIZE + QUADRATIC_SIZE], found[SUM_SIZE], ends[EDGE_SIZE] = {{0.0}}, still[2];
-    Lanes turn[MATRIX_SIZE], sums[SUM_SIZE];
-    for (int k = 0; k < QUADRATIC_SIZE; ++k) given[EDGE_SIZE + k] = all(c->image[k]);
-    for (int k = 0; k < MATRIX_SIZE; ++k) turn[k] = all(c->frame.omega * c->frame.spin[k]);
-    for (int k = 0; k < 2; ++k) still[k] = all(c->frame.middle[k]);
-    memset(sums, 0, sizeof sums);
-    for (int i = 0; i < at->side_count; i += LANES) {
-        Lanes counts;
-        for (int k = 0; k < LANES; ++k) {
-            const double *side = at->sides[i + k < at->side_count ? i + k : i];
-            for (int j = 0; j < EDGE_SIZE; ++j) ends[j][k] = side[j];
-            counts[k] = i + k < at->side_count;
-        }
+static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
+    enum { ROOM = EDGE_SIZE + QUADRATIC_SIZE };
+    Wide given[2 * ROOM], found[SUM_SIZE] = {{0.0}}, *motion = given + ROOM;
+    int is_moved = c->f->toward != 0;
+    give_image(&c->plane, given + EDGE_SIZE);
+    if (is_moved) give_image(&c->motion, motion + EDGE_SIZE);
+    for (int i = 0; i < at->side_count; i += WIDTH) {
+        Wide ends[EDGE_SIZE], counts = ones(at->side_count - i);
+        for (int j = 0; j < EDGE_SIZE; ++j) ends[j] = taken(at->sides[j] + i);
         for (int j = 0; j < EDGE_SIZE; j += 2) {
-            given[j + X] = still[X] + turn[M_XX] * ends[j + X] + turn[M_XY] * ends[j + Y];
-            given[j + Y] = still[Y] + turn[M_YX] * ends[j + X] + turn[M_YY] * ends[j + Y];
+            image_at(&c->plane, ends[j + X], ends[j + Y], given + j);
+            if (is_moved) image_at(&c->motion, ends[j + X], ends[j + Y], motion + j);
         }
-        pressed_side(given, found);
-        for (int j = 0; j < SUM_SIZE; ++j) sums[j] += counts * found[j];
-    }
-    for (int j = 0; j < SUM_SIZE; ++j) c->sums[j] += sums[j];
-}
-
-static void add_far_side(Cones *c, const double *side) {
-    double ex = side[EDGE_END_X] - side[EDGE_START_X], ey = side[EDGE_END_Y] - side[EDGE_START_Y];
-    double cross = side[EDGE_START_X] * ey - side[EDGE_START_Y] * ex;
-    int rule = ALONG_SIDE[c->digits];
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
-        double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), share = BOUNDARY_WEIGHTS[j] * cross;
-        add_far_cone(c, side[EDGE_START_X] + s * ex, side[EDGE_START_Y] + s * ey, share);
+        if (is_moved)
+            pressed_side_toward(given, found);
+        else
+            pressed_side(given, found);
+        for (int j = 0; j < SUM_SIZE; ++j) c->sums[j] += counts * found[j];
     }
 }
 
-static void move_pressed_side(Cones *c, const double *side) {
-    double found[WRENCH], *results[] = {found};
-    const double *given[] = {c->f->twist, c->f->matrix, side, c->quadratic, c->f->toward};
-    pressed_side_toward(given, results, 0, 0, 0);
-    add(c->moved, found, 1.0, WRENCH);
+static void sum_far_nodes(Cones *c, Nodes *nodes) {
+    if (c->f->toward)
+        move_far_nodes(c, nodes);
+    else
+        add_far_nodes(c, nodes);
+    nodes->count = 0;
+}
+
+/* Friction from afar: a side is an arc that is a parabola's, straight. */
+static void sum_from_afar(Cones *c, const Pressed *at) {
+    Nodes nodes;
+    nodes.count = 0;
+    for (int i = 0; i < at->side_count + at->arc_count; ++i) {
+        Arc side = {.weight = 1.0};
+        for (int k = 0; k < 2 && i < at->side_count; ++k) {
+            side.a[k] = at->sides[EDGE_START_X + k][i];
+            side.b[k] = at->sides[EDGE_END_X + k][i];
+            side.c[k] = 0.5 * (side.a[k] + side.b[k]);
+        }
+        const Arc *arc = i < at->side_count ? &side : at->arcs + i - at->side_count;
+        int rule = arc_rule(axis_of(arc->weight), c->digits);
+        if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
+        if (rule == BOUNDARY_RULE_COUNT) --rule;
+        if (put_nodes(&nodes, arc, rule, -1.0, 1.0)) continue;
+        sum_far_nodes(c, &nodes);
+        put_nodes(&nodes, arc, rule, -1.0, 1.0);
+    }
+    sum_far_nodes(c, &nodes);
 }
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */
@@ -270,6 +341,16 @@ static void sums_by_velocity(const double *m, const double *s, double *to) {
     to[SUM_XX] = ax * m[M_XX] + ay * m[M_YX];
     to[SUM_XY] = ax * m[M_XY] + ay * m[M_YY];
     to[SUM_YY] = bx * m[M_XY] + by * m[M_YY];
+}
+
+/* How D and force move, from their motion in the velocity plane and from M's. */
+static void motion_by_velocity(const double *m, const double *toward, const double *s, double *to) {
+    const double *force = s + WRENCH;
+    to[SUM_SPEED] = s[SUM_SPEED];
+    to[SUM_X] = m[M_XX] * s[SUM_X] + m[M_YX] * s[SUM_Y];
+    to[SUM_X] += toward[M_XX] * force[X] + toward[M_YX] * force[Y];
+    to[SUM_Y] = m[M_XY] * s[SUM_X] + m[M_YY] * s[SUM_Y];
+    to[SUM_Y] += toward[M_XY] * force[X] + toward[M_YY] * force[Y];
 }
 
 /* Friction about a place, about the frame's origin. */
@@ -293,28 +374,20 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
     begin_sums(&f, about, m, toward, 0);
     Cones c;
     begin_cones(&c, &f, quadratic, is_far, at->digits);
-    if (!is_far && !toward)
-        add_pressed_sides(&c, at);
-    else
-        for (int i = 0; i < at->side_count; ++i) {
-            if (is_far)
-                add_far_side(&c, at->sides[i]);
-            else
-                move_pressed_side(&c, at->sides[i]);
-        }
-    for (int i = 0; i < at->arc_count; ++i) add_arc_of(&c, at->arcs + i);
+    if (is_far) sum_from_afar(&c, at);
     if (is_far && toward)
         memcpy(f.friction, c.moved, sizeof c.moved);
     else if (is_far)
         add_sums(&f, &c.frame, &c.places, 1.0);
-    else if (toward)
-        add(f.sums, c.moved, 1.0, WRENCH);
     else {
         double sums[SUM_SIZE];
-        for (int k = 0; k < SUM_SIZE; ++k) sums[k] = total(c.sums + k);
-        sums_by_velocity(m, sums, f.sums);
-    }
-    if (!is_far) {
+        add_pressed_sides(&c, at);
+        add_arcs(&c, at);
+        for (int k = 0; k < SUM_SIZE; ++k) sums[k] = summed(c.sums + k);
+        if (toward)
+            motion_by_velocity(m, toward, sums, f.sums);
+        else
+            sums_by_velocity(m, sums, f.sums);
         f.is_summed = 1;
         end_sums(&f);
     }

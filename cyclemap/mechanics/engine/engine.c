@@ -48,18 +48,38 @@ enum { LANES = 2 };
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 typedef double Lanes __attribute__((vector_size(8 * LANES)));
 
-static ALWAYS_INLINE Lanes sizes(Lanes x) {
-    for (int k = 0; k < LANES; ++k) x[k] = fabs(x[k]);
-    return x;
-}
-
 static ALWAYS_INLINE Lanes rooted(Lanes x) {
     for (int k = 0; k < LANES; ++k) x[k] = sqrt(x[k]);
     return x;
 }
 
-static ALWAYS_INLINE Lanes logarithms(Lanes x) {
-    for (int k = 0; k < LANES; ++k) x[k] = log1p(x[k]);
+/* What bounds a contact is summed this many places at once; twice as fast where the processor turns
+   out to have registers of that width. Sums are the same to the bit. */
+enum { WIDTH = 4 };
+typedef double Wide __attribute__((vector_size(8 * WIDTH)));
+#if defined(__x86_64__) && defined(__GLIBC__)
+#define WIDENED __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDENED
+#endif
+
+static ALWAYS_INLINE Wide sizes(Wide x) {
+    for (int k = 0; k < WIDTH; ++k) x[k] = fabs(x[k]);
+    return x;
+}
+
+static ALWAYS_INLINE Wide signs(Wide x) {
+    for (int k = 0; k < WIDTH; ++k) x[k] = (x[k] > 0.0) - (x[k] < 0.0);
+    return x;
+}
+
+static ALWAYS_INLINE Wide roots(Wide x) {
+    for (int k = 0; k < WIDTH; ++k) x[k] = sqrt(x[k]);
+    return x;
+}
+
+static ALWAYS_INLINE Wide logarithms(Wide x) {
+    for (int k = 0; k < WIDTH; ++k) x[k] = log1p(x[k]);
     return x;
 }
 

@@ -54,81 +54,76 @@ def kernels() -> dict[str, ca.Function]:
     toward = ca.SX.sym("toward", MATRIX.size)
     ends, images = ca.SX.sym("ends", ROW_KINDS["edge"].size), ca.SX.sym("images", 6)
     lean, place, chord = ca.SX.sym("lean", 4), ca.SX.sym("place", 2), ca.SX.sym("chord", 11)
-    own = ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
-    # One over how a patch's area grows in the velocity plane.
-    scale = 1 / (TWIST.of(twist).omega ** 2 * _det(matrix))
-    functions = {"assembled": _assembled(twist, matrix)}
+    pressure = ca.SX.sym("pressure", QUADRATIC.size)
+    functions = {
+        "assembled": _assembled(twist, matrix),
+        "corner": function_of("corner", [twist, matrix, place], [_image(twist, matrix, place)]),
+    }
     # Edges are summed in two passes, so that the slow steps of one do not wait for those of
     # another.
-    side, angle = _Side(images), ca.SX.sym("angle")
-    kept = ca.vertcat(side.tx, side.ty, side.d, side.rise, side.ts, side.excess)
+    side, angle, parts = _Side(images), ca.SX.sym("angle"), ca.SX.sym("side", 6)
+    kept = ca.vertcat(side.t, side.d, side.rise, side.ts, side.excess)
     functions["side"] = function_of("side", [images], [kept])
-    parts = ca.SX.sym("side", 6)
-    side.tx, side.ty, side.d, side.rise, side.ts, _ = ca.vertsplit(parts)
-    side.nx, side.ny = side.ty, -side.tx
-    side.set_angle(angle)
-    functions["edge"] = function_of(
-        "edge", [matrix, parts, angle], [ca.vertcat(*_edge(side, twist, matrix))]
+    side.take_along(parts[:2])
+    side.d, side.rise, side.ts = parts[2], parts[3], parts[4]
+    side.take_angle(angle)
+    functions["edge"] = function_of("edge", [matrix, parts, angle], [_edge(side, twist, matrix)])
+    own = _Side(ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:])))
+    # One over how a patch's area grows in the velocity plane.
+    scale = 1 / (TWIST.of(twist).omega ** 2 * ca.det(_square(matrix)))
+    functions["lean"] = function_of(
+        "lean", [twist, matrix, images, lean], [_leaning_edge(_Side(images), twist, matrix, lean)]
     )
-    for name, sums_of, more in (
-        ("edge", _edge, ()),
-        ("lean", _leaning_edge, (lean,)),
-        ("line", _line, ()),
-    ):
-        whole = ca.vertcat(*sums_of(_Side(own), twist, matrix, *more)[:3]) * (
-            1 if name == "line" else scale
-        )
-        if name != "edge":
-            sums = ca.vertcat(*sums_of(_Side(images), twist, matrix, *more))
-            functions[name] = function_of(name, [twist, matrix, images, *more], [sums])
-        moved = ca.jtimes(whole, matrix, toward)
-        functions[f"{name}_toward"] = function_of(
-            f"{name}_toward", [twist, matrix, ends, *more, toward], [moved]
-        )
+    functions["line"] = function_of(
+        "line", [twist, matrix, images], [_line(_Side(images), twist, matrix)]
+    )
     # The wrench of a unit of load at a point.
-    x, y = ca.vertsplit(place)
-    wx, wy = _velocity(twist, matrix, x, y)
-    inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
-    fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
-    moved = ca.jtimes(ca.vertcat(fx, fy, x * fy - y * fx), matrix, toward)
-    functions["point_toward"] = function_of("point_toward", [twist, matrix, place, toward], [moved])
-    moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
-    functions["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
-    functions["corner"] = function_of(
-        "corner", [twist, matrix, place], [_image(twist, matrix, place)]
-    )
-    functions |= _of_foundation(twist, matrix, ends, toward)
-    return functions
-
-
-def _of_foundation(
-    twist: ca.SX, matrix: ca.SX, ends: ca.SX, toward: ca.SX
-) -> dict[str, ca.Function]:
-    """Functions of a foundation that is pressed; those of one side are in `side_kernels`."""
-    pressure, cone = ca.SX.sym("pressure", QUADRATIC.size), ca.SX.sym("cone", 3)
-    image = _about_rotation(twist, matrix, pressure)
-    own = ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
-    speed, fx, fy, *_ = _pressed_side(_Side(own), image)
-    along = ca.vertcat(speed, *_transposed(matrix, fx, fy))
-    thin = ca.vertcat(*_pressed_cone(twist, matrix, cone, image))
-    functions = {"pressed_image": function_of("pressed_image", [twist, matrix, pressure], [image])}
-    for name, place, sums in (("pressed_side", ends, along), ("pressed_cone", cone, thin)):
+    w = _velocity(twist, matrix, place)
+    force = _square(matrix).T @ (w / _length(w))
+    wrench = ca.vertcat(force, ca.dot(_left(place), force))
+    for name, given, sums in (
+        ("edge", [ends], scale * _edge(own, twist, matrix)[:3]),
+        ("lean", [ends, lean], scale * _leaning_edge(own, twist, matrix, lean)[:3]),
+        ("line", [ends], _line(own, twist, matrix)[:3]),
+        ("point", [place], wrench),
+        ("pressed_image", [pressure], _about_rotation(twist, matrix, pressure)),
+    ):
         moved = ca.jtimes(sums, matrix, toward)
-        given = [twist, matrix, place, pressure, toward]
-        functions[f"{name}_toward"] = function_of(f"{name}_toward", given, [moved])
+        functions[f"{name}_toward"] = function_of(
+            f"{name}_toward", [twist, matrix, *given, toward], [moved]
+        )
+    functions["pressed_image"] = function_of(
+        "pressed_image", [twist, matrix, pressure], [_about_rotation(twist, matrix, pressure)]
+    )
+    moved = _chord_toward(twist, matrix, chord, toward)
+    functions["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
     return functions
 
 
-def side_kernels() -> dict[str, ca.Function]:
-    """Return functions that are compiled for some sides at once, of one row of numbers each.
+def rim_kernels() -> dict[str, ca.Function]:
+    """Return functions of what bounds the contact of a foundation that is pressed, compiled for
+    some places at once, of one row of numbers each.
 
     pressed_side: the images of both ends and the quadratic of w, to the sums in the velocity plane.
+    pressed_side_toward: the same, then how they move, to how D and the force move, and the force.
+    pressed_cone_toward: of a thin cone to w, instead of ends w and w x dw.
     """
-    given = ca.SX.sym("given", 4 + QUADRATIC.size)
-    sizes = [ca.sqrt(ca.sumsqr(given[k : k + 2])) for k in (0, 2)]
-    side = _Side(ca.vertcat(given[:2], sizes[0], given[2:4], sizes[1]))
-    sums = ca.vertcat(*_pressed_side(side, given[4:]))
-    return {"pressed_side": function_of("pressed_side", [given], [sums])}
+    ends, cone = ca.SX.sym("ends", 4), ca.SX.sym("cone", 3)
+    image = ca.SX.sym("image", QUADRATIC.size)
+    first, second = ends[:2], ends[2:]
+    images = ca.vertcat(first, ca.norm_2(first), second, ca.norm_2(second))
+    side = _pressed_side(_Side(images), image)
+    given = ca.vertcat(ends, image)
+    functions = {"pressed_side": function_of("pressed_side", [given], [side])}
+    for name, place, sums in (
+        ("pressed_side_toward", ends, side[:3]),
+        ("pressed_cone_toward", cone, _pressed_cone(cone, image)),
+    ):
+        given = ca.vertcat(place, image)
+        motion = ca.SX.sym("motion", given.numel())
+        results = ca.vertcat(ca.jtimes(sums, given, motion), sums[1:])
+        functions[name] = function_of(name, [ca.vertcat(given, motion)], [results])
+    return functions
 
 
 def function_of(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -138,28 +133,42 @@ def function_of(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Func
 
 # What one piece of a pressure adds. Twists and M (by columns) come first; `sums` are D, the force
 # and the Hessian by (vx, vy) of pieces whose torque follows from homogeneity, or the wrench and the
-# Hessian's six entries of others.
+# Hessian's six entries of others. Vectors have two rows.
 
 
-def _velocity(twist: ca.SX, matrix: ca.SX, x: ca.SX, y: ca.SX) -> tuple[ca.SX, ca.SX]:
-    v, m = TWIST.of(twist), MATRIX.of(matrix)
-    vx, vy = v.vx - v.omega * y, v.vy + v.omega * x
-    return m.xx * vx + m.xy * vy, m.yx * vx + m.yy * vy
+def _square(matrix: ca.SX) -> ca.SX:
+    return ca.reshape(matrix, 2, 2)
 
 
-def _transposed(matrix: ca.SX, x: ca.SX, y: ca.SX) -> tuple[ca.SX, ca.SX]:
-    m = MATRIX.of(matrix)
-    return m.xx * x + m.yx * y, m.xy * x + m.yy * y
+def _left(vector: ca.SX) -> ca.SX:
+    """A vector a right angle counter-clockwise of it; of a matrix, those of its columns."""
+    return ca.vertcat(-vector[1, :], vector[0, :])
 
 
-def _det(matrix: ca.SX) -> ca.SX:
-    m = MATRIX.of(matrix)
-    return m.xx * m.yy - m.yx * m.xy
+def _length(vector: ca.SX) -> ca.SX:
+    return ca.sqrt(ca.sumsqr(vector) + TINIEST**2)
+
+
+def _upper(matrix: ca.SX) -> ca.SX:
+    """xx, xy, yy of a symmetric matrix."""
+    return ca.vertcat(matrix[0, 0], matrix[0, 1], matrix[1, 1])
+
+
+def _symmetric(xx: ca.SX, xy: ca.SX, yy: ca.SX) -> ca.SX:
+    return ca.blockcat([[xx, xy], [xy, yy]])
+
+
+def _velocity(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
+    return _square(matrix) @ (twist[:2] + twist[2] * _left(place))
 
 
 def _image(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
-    x, y = _velocity(twist, matrix, *ca.vertsplit(place))
-    return ca.vertcat(x, y, ca.sqrt(x * x + y * y))
+    w = _velocity(twist, matrix, place)
+    return ca.vertcat(w, ca.norm_2(w))
+
+
+def _centre_of_rotation(twist: ca.SX) -> ca.SX:
+    return _left(twist[:2]) / twist[2]
 
 
 class _Side:
@@ -168,61 +177,48 @@ class _Side:
     """
 
     def __init__(self, images: ca.SX) -> None:
-        x0, y0, s0, x1, y1, s1 = ca.vertsplit(images)
-        ex, ey = x1 - x0, y1 - y0
-        self.size = size = ca.sqrt(ex * ex + ey * ey)
-        inverse = 1 / size
-        self.tx, self.ty = ex * inverse, ey * inverse
-        self.nx, self.ny = self.ty, -self.tx
-        self.d = d = x0 * self.nx + y0 * self.ny
-        self.start, self.end = x0 * self.tx + y0 * self.ty, x1 * self.tx + y1 * self.ty
-        self.s0, self.s1 = s0, s1
+        first, second = images[:2], images[3:5]
+        self.s0, self.s1 = s0, s1 = images[2], images[5]
+        along = second - first
+        self.size = size = ca.norm_2(along)
+        self.take_along(along * (1 / size))
+        self.d = d = ca.dot(first, self.n)
+        self.start, self.end = ca.dot(first, self.t), ca.dot(second, self.t)
         total, between = s0 + s1, self.start + self.end
         # s0 + start and s1 - end, whose sum is total - size: neither cancels where the origin is
         # beside the side.
         before, after = ca.fabs(self.start), ca.fabs(self.end)
-        first, second = s0 + before + TINY, s1 + after + TINY
-        spare = (
-            d * d * (first + second) + ((self.start + before) + (after - self.end)) * first * second
-        )
+        nearer, farther = s0 + before + TINY, s1 + after + TINY
+        spare = (self.start + before) + (after - self.end)
+        spare = d * d * (nearer + farther) + spare * nearer * farther
         # Integrals of 1/s, t/s and s along the side, s = sqrt(d^2 + t^2).
-        self.excess = 2 * size * first * second / (spare + TINIEST)
+        self.excess = 2 * size * nearer * farther / (spare + TINIEST)
         self.rise = size * between / total
         self.ts = (size * total + self.rise * between) / 2
-        self.set_angle(ca.log1p(self.excess))
+        self.take_angle(ca.log1p(self.excess))
 
-    def set_angle(self, angle: ca.SX) -> None:
+    def take_along(self, t: ca.SX) -> None:
+        """Take the side's direction."""
+        self.t, self.n = t, -_left(t)
+
+    def take_angle(self, angle: ca.SX) -> None:
         """Take the logarithm log1p(excess), on which the rest depends."""
         self.angle, square = angle, self.d * self.d * angle
         self.length, self.moment = (self.ts + square) / 2, (self.ts - square) / 2
 
-    def across(self, along: ca.SX, mixed: ca.SX, across: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Return xx, xy, yy of along t t^T + mixed (n t^T + t n^T) + across n n^T."""
-        tx, ty, nx, ny = self.tx, self.ty, self.nx, self.ny
-        return (
-            along * tx * tx + 2 * mixed * nx * tx + across * nx * nx,
-            along * tx * ty + mixed * (nx * ty + tx * ny) + across * nx * ny,
-            along * ty * ty + 2 * mixed * ny * ty + across * ny * ny,
-        )
+    def across(self, along: ca.SX, mixed: ca.SX, across: ca.SX) -> ca.SX:
+        """Return the matrix along t t^T + mixed (n t^T + t n^T) + across n n^T."""
+        axes = ca.horzcat(self.n, self.t)
+        return axes @ _symmetric(across, mixed, along) @ axes.T
 
 
-def _homogeneous(
-    matrix: ca.SX, speed: ca.SX, fx: ca.SX, fy: ca.SX, curve: tuple[ca.SX, ca.SX, ca.SX]
-) -> list[ca.SX]:
+def _homogeneous(matrix: ca.SX, speed: ca.SX, force: ca.SX, curve: ca.SX) -> ca.SX:
     """D, the force and the Hessian by v, from integrals in the velocity plane."""
-    xx, xy, yy = curve
-    (ax, bx), (ay, by), m = (
-        _transposed(matrix, xx, xy),
-        _transposed(matrix, xy, yy),
-        MATRIX.of(matrix),
-    )
-    return [
-        *(speed, *_transposed(matrix, fx, fy)),
-        *(m.xx * ax + m.yx * ay, m.xy * ax + m.yy * ay, m.xy * bx + m.yy * by),
-    ]
+    m = _square(matrix)
+    return ca.vertcat(speed, m.T @ force, _upper(m.T @ curve @ m))
 
 
-def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
+def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> ca.SX:
     """What one side adds to an even patch, times the image's area over the patch's, by the
     divergence theorem:
 
@@ -230,11 +226,10 @@ def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     """
     # The rim's (w/|w|) n^T is symmetric as a whole; what is mixed is shared.
     curve = side.across(0, side.rise / 2, side.d * side.angle)
-    force = side.length
-    return _homogeneous(matrix, force * side.d / 3, force * side.nx, force * side.ny, curve)
+    return _homogeneous(matrix, side.length * side.d / 3, side.length * side.n, curve)
 
 
-def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> list[ca.SX]:
+def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> ca.SX:
     """The same of a pressure g . (r - r0), `lean` being (g, r0), as c + s . w in the velocity
     plane:
 
@@ -242,40 +237,35 @@ def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> list
     the Hessian.
     """
     # r = r_c + B^-1 w with B = omega M J; c is the pressure at the centre of rotation r_c.
-    v, m = TWIST.of(twist), MATRIX.of(matrix)
-    det = v.omega * _det(matrix)
-    gx, gy, x0, y0 = ca.vertsplit(lean)
-    sx, sy = -(m.yx * gx + m.yy * gy) / det, (m.xx * gx + m.xy * gy) / det
-    level = gx * (-v.vy / v.omega - x0) + gy * (v.vx / v.omega - y0)
-    d, length, angle, rise = side.d, side.length, side.angle, side.rise
+    m, g = _square(matrix), lean[:2]
+    s = _left(m @ g) / (twist[2] * ca.det(m))
+    level = ca.dot(g, _centre_of_rotation(twist) - lean[2:])
+    d, n, t, length, rise = side.d, side.n, side.t, side.length, side.rise
     cube = rise * (side.s0**2 + side.s0 * side.s1 + side.s1**2) / 3
-    first_x, first_y = d * length * side.nx + cube * side.tx, d * length * side.ny + cube * side.ty
-    along = sx * first_x + sy * first_y
-    even = d * length / 3
+    along = ca.dot(s, d * length * n + cube * t)
     speed = d * (level * length / 3 + along / 4)
-    fx, fy = (
-        (level * length + along) * side.nx - sx * even,
-        (level * length + along) * side.ny - sy * even,
-    )
+    force = (level * length + along) * n - s * (d * length / 3)
     # rim (s.w) (w/|w|) n^T - int (w/|w|) s^T, symmetric as a whole.
-    xx, xy, yy = side.across(side.moment, d * rise, d * d * angle)
-    px, py = xx * sx + xy * sy, xy * sx + yy * sy
-    ux, uy = d * angle * side.nx + rise * side.tx, d * angle * side.ny + rise * side.ty
-    px, py, lx, ly = level * ux + px, level * uy + py, length * side.nx, length * side.ny
-    mixed = (px * side.ny + py * side.nx - lx * sy - ly * sx) / 2
-    return _homogeneous(
-        matrix, speed, fx, fy, (px * side.nx - lx * sx, mixed, py * side.ny - ly * sy)
-    )
+    curve = side.across(side.moment, d * rise, d * d * side.angle)
+    rim = level * (d * side.angle * n + rise * t) + curve @ s
+    whole = rim @ n.T - length * n @ s.T
+    return _homogeneous(matrix, speed, force, (whole + whole.T) / 2)
 
 
-def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
+def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> ca.SX:
     """What a load spread along one side adds: the means of |w|, w/|w| and hess |w| along it."""
+    size = side.size
     sine = side.end / (side.s1 + TINY) - side.start / (side.s0 + TINY)
     cosine = side.d / (side.s1 + TINY) - side.d / (side.s0 + TINY)
-    curve = side.across(sine / side.size, cosine / side.size, (side.angle - sine) / side.size)
-    fx = (side.d * side.angle * side.nx + side.rise * side.tx) / side.size
-    fy = (side.d * side.angle * side.ny + side.rise * side.ty) / side.size
-    return _homogeneous(matrix, side.length / side.size, fx, fy, curve)
+    curve = side.across(sine / size, cosine / size, (side.angle - sine) / size)
+    force = (side.d * side.angle * side.n + side.rise * side.t) / size
+    return _homogeneous(matrix, side.length / size, force, curve)
+
+
+def _parts_of(quadratic: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Level, slope and matrix of a quadratic."""
+    q = QUADRATIC.of(quadratic)
+    return q.level, ca.vertcat(q.slope_x, q.slope_y), _symmetric(q.xx, q.xy, q.yy)
 
 
 def _about_rotation(twist: ca.SX, matrix: ca.SX, pressure: ca.SX) -> ca.SX:
@@ -283,45 +273,34 @@ def _about_rotation(twist: ca.SX, matrix: ca.SX, pressure: ca.SX) -> ca.SX:
 
     r = r_c + B^-1 w with B = omega M J, r_c the centre of rotation.
     """
-    v, m, p = TWIST.of(twist), MATRIX.of(matrix), QUADRATIC.of(pressure)
-    slowness, shrinks = 1 / v.omega, 1 / (v.omega * _det(matrix))
-    x, y = -v.vy * slowness, v.vx * slowness
-    gx = p.slope_x + 2 * (p.xx * x + p.xy * y)
-    gy = p.slope_y + 2 * (p.xy * x + p.yy * y)
-    level = p.level + x * (p.slope_x + p.xx * x + 2 * p.xy * y) + y * (p.slope_y + p.yy * y)
-    (ax, ay), (bx, by) = (-m.yx * shrinks, -m.yy * shrinks), (m.xx * shrinks, m.xy * shrinks)
-    # B^-1 = ((ax, bx), (ay, by))
-    mixed = p.xx * ax * bx + p.xy * (ax * by + ay * bx) + p.yy * ay * by
-    image = (
-        *(level, ax * gx + ay * gy, bx * gx + by * gy),
-        p.xx * ax * ax + 2 * p.xy * ax * ay + p.yy * ay * ay,
-        mixed,
-        p.xx * bx * bx + 2 * p.xy * bx * by + p.yy * by * by,
+    (level, slope, bent), m, centre = (
+        _parts_of(pressure),
+        _square(matrix),
+        _centre_of_rotation(twist),
     )
-    return ca.vertcat(*image) * (slowness * shrinks)
+    shrinks = 1 / (twist[2] * ca.det(m))
+    back = shrinks * _left(m).T
+    level += ca.dot(centre, slope + bent @ centre)
+    slope = back.T @ (slope + 2 * bent @ centre)
+    return ca.vertcat(level, slope, _upper(back.T @ bent @ back)) * (shrinks / twist[2])
 
 
-def _pressed_side(side: _Side, quadratic: ca.SX) -> list[ca.SX]:
+def _pressed_side(side: _Side, quadratic: ca.SX) -> ca.SX:
     """What one side of the contact adds under a quadratic of w, in the velocity plane.
 
     The contact is cut into cones from the centre of rotation, where w = 0: F homogeneous of degree
     k, int P F = rim (w x dw) F int_0^1 P(s w) s^(k+1) ds; along a side all that is in closed form.
     """
-    q, tx, ty, nx, ny = QUADRATIC.of(quadratic), side.tx, side.ty, side.nx, side.ny
+    (level, slope, bent), t, n = _parts_of(quadratic), side.t, side.n
     d, square = side.d, side.d * side.d
     # P's terms of degree 1 and 2 in w = d n + t tau, by powers of t.
-    first = (d * (q.slope_x * nx + q.slope_y * ny), q.slope_x * tx + q.slope_y * ty)
-    bent_x, bent_y = q.xx * tx + q.xy * ty, q.xy * tx + q.yy * ty
-    second = (
-        square * (q.xx * nx * nx + 2 * q.xy * nx * ny + q.yy * ny * ny),
-        2 * d * (bent_x * nx + bent_y * ny),
-        bent_x * tx + bent_y * ty,
-    )
+    first = (d * ca.dot(slope, n), ca.dot(slope, t))
+    along = bent @ t
+    second = (square * ca.dot(n, bent @ n), 2 * d * ca.dot(along, n), ca.dot(along, t))
 
     def coned(degree: int) -> tuple[ca.SX, ca.SX, ca.SX]:
         a, b, c = 1.0 / (degree + 2), 1.0 / (degree + 3), 1.0 / (degree + 4)
-        even = q.level * a + first[0] * b + second[0] * c
-        return even, first[1] * b + second[1] * c, second[2] * c
+        return level * a + first[0] * b + second[0] * c, first[1] * b + second[1] * c, second[2] * c
 
     s0, s1, t0, t1 = side.s0, side.s1, side.start, side.end
     cube = side.rise * (s0 * s0 + s0 * s1 + s1 * s1) * (1 / 3)
@@ -329,67 +308,59 @@ def _pressed_side(side: _Side, quadratic: ca.SX) -> list[ca.SX]:
     fourth = (t1 * s1**3 - t0 * s0**3) / 4 - square * side.length / 4
     over = (side.angle, side.rise, side.moment, cube - square * side.rise)
     sine = t1 / (s1 + TINY) - t0 / (s0 + TINY)
-    slope = side.rise / (s0 * s1 + TINY)
+    steep = side.rise / (s0 * s1 + TINY)
     rest = side.angle - sine
-    thrice = (slope, rest, side.rise - square * slope, side.moment - square * rest)
+    thrice = (steep, rest, side.rise - square * steep, side.moment - square * rest)
     a, b, c = coned(1)
     speed = a * side.length + b * cube + c * fourth
     a, b, c = coned(0)
     even = a * over[0] + b * over[1] + c * over[2]
     odd = a * over[1] + b * over[2] + c * over[3]
-    fx, fy = d * even * nx + odd * tx, d * even * ny + odd * ty
     a, b, c = coned(-1)
-    across = a * thrice[1] + b * thrice[2] + c * thrice[3]
-    mixed = -d * (a * thrice[0] + b * thrice[1] + c * thrice[2])
     # d^2 of the integral of 1 / s^3 is sine.
-    along = a * sine + square * (b * thrice[0] + c * thrice[1])
-    return [d * value for value in (speed, fx, fy, *side.across(along, mixed, across))]
+    curve = side.across(
+        a * sine + square * (b * thrice[0] + c * thrice[1]),
+        -d * (a * thrice[0] + b * thrice[1] + c * thrice[2]),
+        a * thrice[1] + b * thrice[2] + c * thrice[3],
+    )
+    return d * ca.vertcat(speed, d * even * n + odd * t, _upper(curve))
 
 
-def _pressed_cone(twist: ca.SX, matrix: ca.SX, cone: ca.SX, quadratic: ca.SX) -> list[ca.SX]:
-    """D and force of one thin cone from the centre of rotation to a place on the rim; `cone`: it,
-    and rho x drho.
+def _pressed_cone(cone: ca.SX, quadratic: ca.SX) -> ca.SX:
+    """D and force, in the velocity plane, of one thin cone from the centre of rotation to a place
+    w on the rim; `cone`: it, and w x dw.
     """
-    q = QUADRATIC.of(quadratic)
-    x, y = _velocity(twist, matrix, cone[0], cone[1])
-    cross = cone[2] * TWIST.of(twist).omega ** 2 * _det(matrix)
-    first = q.slope_x * x + q.slope_y * y
-    second = q.xx * x * x + 2 * q.xy * x * y + q.yy * y * y
-    size = ca.sqrt(x * x + y * y + TINIEST**2)
-    force = cross * (q.level / 2 + first / 3 + second / 4) / size
-    speed = cross * (q.level / 3 + first / 4 + second / 5) * size
-    return [speed, *_transposed(matrix, force * x, force * y)]
+    (level, slope, bent), w, cross = _parts_of(quadratic), cone[:2], cone[2]
+    first, second, size = ca.dot(slope, w), ca.dot(w, bent @ w), _length(w)
+    force = cross * (level / 2 + first / 3 + second / 4) / size
+    return ca.vertcat(cross * (level / 3 + first / 4 + second / 5) * size, force * w)
 
 
 def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
     """(twist, matrix, sums) -> friction, by homogeneity: D = V . grad D, hess D . V = 0."""
-    sums, (vx, vy, omega) = ca.SX.sym("sums", 6), ca.vertsplit(twist)
-    speed, fx, fy, xx, xy, yy = ca.vertsplit(sums)
-    cross_x, cross_y = -(xx * vx + xy * vy) / omega, -(xy * vx + yy * vy) / omega
-    wrench = [fx, fy, (speed - vx * fx - vy * fy) / omega]
-    hessian = [xx, xy, yy, cross_x, cross_y, -(cross_x * vx + cross_y * vy) / omega]
-    return function_of("assembled", [twist, matrix, sums], [ca.vertcat(*wrench, *hessian)])
+    sums, v, omega = ca.SX.sym("sums", 6), twist[:2], twist[2]
+    force, cross = sums[1:3], -_symmetric(*ca.vertsplit(sums[3:])) @ v / omega
+    wrench = ca.vertcat(force, (sums[0] - v[0] * force[0] - v[1] * force[1]) / omega)
+    friction = ca.vertcat(wrench, sums[3:], cross, -ca.dot(cross, v) / omega)
+    return function_of("assembled", [twist, matrix, sums], [friction])
 
 
-def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> list[ca.SX]:
+def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> ca.SX:
     """What a chord through the centre of rotation adds to an elliptic patch's wrench as M moves.
 
     Through M itself, and through how u, the chord's one direction, turns along it. Given: u, the
     chord's middle m and its direction e (places: m + tau e, |tau| <= q), and for a pressure f0 +
     tau f1 the moments of (1, tau) for u and of (1, tau, tau^2) for the curvature across it.
     """
-    ux, uy, mx, my, ex, ey, first, second, k0, k1, k2 = ca.vertsplit(given)
-    omega, t = TWIST.of(twist).omega, MATRIX.of(toward)
-    fx, fy = _transposed(toward, ux, uy)
-    bx, by = _transposed(matrix, -uy, ux)
-    wx, wy = _velocity(twist, toward, mx, my)
-    turn = ux * wy - uy * wx
-    sx, sy = -omega * ey, omega * ex
-    further = ux * (t.yx * sx + t.yy * sy) - uy * (t.xx * sx + t.xy * sy)
+    u, middle, along = given[:2], given[2:4], given[4:6]
+    first, second, k0, k1, k2 = ca.vertsplit(given[6:])
+    force, bent = _square(toward).T @ u, _square(matrix).T @ _left(u)
+    turn = ca.dot(_left(u), _velocity(twist, toward, middle))
+    further = ca.dot(_left(u), _square(toward) @ (twist[2] * _left(along)))
     even, odd = k0 * turn + k1 * further, k1 * turn + k2 * further
-    middle, along = mx * by - my * bx, ex * by - ey * bx
-    torque = (mx * fy - my * fx) * first + (ex * fy - ey * fx) * second
-    return [fx * first + bx * even, fy * first + by * even, torque + middle * even + along * odd]
+    pull = force * first + bent * even
+    rest = ca.dot(_left(along), force * second + bent * odd)
+    return ca.vertcat(pull, ca.dot(_left(middle), pull) + rest)
 
 
 def contacts() -> dict[str, ca.Function]:
@@ -398,17 +369,19 @@ def contacts() -> dict[str, ca.Function]:
     for kind, law in PAIRS:
         state, p = ca.SX.sym("state", STATE.size), ca.SX.sym("p", MOTION.size)
         z = ca.SX.sym("z", LAWS[law])
-        begun = list(_begun(kind, law, state, p, _facing(p), z))
+        given = MOTION.of(p)
+        # Cosines and sines of the angles as C has them.
+        direction = ca.vertcat(given.cos_direction, given.sin_direction)
+        phi = ca.vertcat(given.cos_phi, given.sin_phi)
+        begun = list(_begun(kind, law, state, p, direction, phi, z))
         functions[f"begin_{kind}_{law}"] = function_of(f"begin_{kind}_{law}", [state, p, z], begun)
         functions[f"slopes_{kind}_{law}"] = _slopes(kind, law, by_all=False)
         functions[f"all_slopes_{kind}_{law}"] = _slopes(kind, law, by_all=True)
     return functions
 
 
-def _facing(p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Cosines and sines of the direction and of the friction ellipse's axis, as C has them."""
-    given = MOTION.of(p)
-    return given.cos_direction, given.sin_direction, given.cos_phi, given.sin_phi
+def _facing(angle: ca.SX) -> ca.SX:
+    return ca.vertcat(ca.cos(angle), ca.sin(angle))
 
 
 def _unknowns(z: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -417,28 +390,28 @@ def _unknowns(z: ca.SX) -> tuple[ca.SX, ca.SX]:
     return spin, slip.pop() if slip else ca.SX(0)
 
 
-def _place(kind: str, coordinate: ca.SX, p: SimpleNamespace) -> tuple[ca.SX, ...]:
+def _place(kind: str, coordinate: ca.SX, p: SimpleNamespace) -> tuple[ca.SX, ca.SX, ca.SX | float]:
     """Contact point, normal, and travel of the rod's centre per unit of coordinate."""
     g = KINDS[kind].of(p.geometry)
     if kind == "side":
-        x, y = g.x + coordinate * g.along_x, g.y + coordinate * g.along_y
-        return x, y, g.along_y, -g.along_x, ca.SX(1)
+        along = ca.vertcat(g.along_x, g.along_y)
+        return ca.vertcat(g.x, g.y) + coordinate * along, -_left(along), 1.0
     if kind in ("ring", "wedge"):
-        angle = g.first_normal if kind == "wedge" else 0
-        return g.x, g.y, ca.cos(angle), ca.sin(angle), ca.SX(1)
-    c, s = ca.cos(coordinate), ca.sin(coordinate)
+        return ca.vertcat(g.x, g.y), _facing(g.first_normal if kind == "wedge" else 0), 1.0
+    circle = _facing(coordinate)
     if kind == "corner":
-        return g.x, g.y, c, s, p.radius
+        return ca.vertcat(g.x, g.y), circle, p.radius
     a, b = g.semi_x, g.semi_y
-    speed = ca.sqrt((a * s) ** 2 + (b * c) ** 2)
-    return a * c, b * s, b * c / speed, a * s / speed, speed + p.radius * a * b / speed**2
+    outward = ca.vertcat(b, a) * circle
+    speed = ca.norm_2(outward)
+    return ca.vertcat(a, b) * circle, outward / speed, speed + p.radius * a * b / speed**2
 
 
 def _begun(
-    kind: str, law: str, state: ca.SX, p: ca.SX, facing: tuple[ca.SX, ...], z: ca.SX
+    kind: str, law: str, state: ca.SX, p: ca.SX, direction: ca.SX, phi: ca.SX, z: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return twist, matrix and frame of a contact for a rod that travels by one; `facing` as
-    `_facing` gives it.
+    """Return twist, matrix and frame of a contact for a rod that travels by one; direction and phi
+    as unit vectors.
 
     stick: the contact point moves with the rod; the spin is unknown. slide: it moves by -n + slip
     t, for a unit approach; spin and slip are unknown, and the true twist is that one times the
@@ -446,24 +419,22 @@ def _begun(
     In ring and wedge the rod's centre stays where it is.
     """
     given, (theta, coordinate), (spin, slip) = MOTION.of(p), ca.vertsplit(state), _unknowns(z)
-    x, y, c, s, metric = _place(kind, coordinate, given)
-    c0, s0 = ca.cos(theta), ca.sin(theta)
-    cd, sd, cp, sp = facing
-    ahead, aside = cd * c0 + sd * s0, sd * c0 - cd * s0
-    approach, along = -(c * ahead + s * aside), c * aside - s * ahead
-    ux, uy = (-c - slip * s, -s + slip * c) if law == "slide" else (ahead, aside)
-    twist = ca.vertcat(ux + spin * y, uy - spin * x, spin)
-    ca_, sa = cp * c0 + sp * s0, sp * c0 - cp * s0
-    mu_a, mu_b = given.mu_a, given.mu_b
-    matrix = ca.vertcat(mu_a * ca_, -mu_b * sa, mu_a * sa, mu_b * ca_)
-    fx, fy = ca_ * given.m0 - sa * given.n0, sa * given.m0 + ca_ * given.n0
-    torque = given.centre_x * fy - given.centre_y * fx
-    second = (0, 0)
+    point, normal, metric = _place(kind, coordinate, given)
+    # Of the world's directions, as seen from the object.
+    own = ca.horzcat(_facing(theta), _left(_facing(theta))).T
+    ahead, axis = own @ direction, own @ phi
+    approach, along = -ca.dot(normal, ahead), ca.dot(_left(normal), ahead)
+    moves = slip * _left(normal) - normal if law == "slide" else ahead
+    twist = ca.vertcat(moves - spin * _left(point), spin)
+    axes = ca.horzcat(axis, _left(axis))
+    matrix = ca.vec(ca.diag(ca.vertcat(given.mu_a, given.mu_b)) @ axes.T)
+    force = axes @ ca.vertcat(given.m0, given.n0)
+    torque = ca.dot(_left(ca.vertcat(given.centre_x, given.centre_y)), force)
+    second = ca.SX.zeros(2)
     if kind == "wedge":
-        angle = KINDS[kind].of(given.geometry).second_normal
-        second = ca.cos(angle), ca.sin(angle)
+        second = _facing(KINDS[kind].of(given.geometry).second_normal)
     room = (coordinate - given.low, given.high - coordinate)
-    frame = ca.vertcat(fx, fy, torque, x, y, c, s, approach, along, metric, *room, *second)
+    frame = ca.vertcat(force, torque, point, normal, approach, along, metric, *room, second)
     return twist, matrix, frame
 
 
@@ -477,29 +448,28 @@ def _residual(law: str, frame: ca.SX, p: ca.SX, g: ca.SX) -> tuple[ca.SX, ca.SX,
     compressions N balance the force, r smu (N1 + N2) the torque. A point's force lies between the
     outer edges of both cones.
     """
-    at, given, (gx, gy, turning) = FRAME.of(frame), MOTION.of(p), ca.vertsplit(g)
-    x, y, c, s, smu = at.x, at.y, at.cosine, at.sine, given.smu
-    torque = y * gx - x * gy + turning
-    normal, tangential = -(c * gx + s * gy), c * gy - s * gx
+    at, given, force, smu = FRAME.of(frame), MOTION.of(p), g[:2], MOTION.of(p).smu
+    point, normal = ca.vertcat(at.x, at.y), ca.vertcat(at.cosine, at.sine)
+    torque = g[2] - ca.dot(_left(point), force)
+    compression, tangential = -ca.dot(normal, force), ca.dot(_left(normal), force)
     if law == "slide":
-        return ca.vertcat(torque, tangential - smu * normal), normal, tangential
+        return ca.vertcat(torque, tangential - smu * compression), compression, tangential
     if law == "turn":
-        return torque + smu * ca.sqrt(gx**2 + gy**2), normal, tangential
+        return torque + smu * ca.norm_2(force), compression, tangential
     if law == "wedge":
         sense = KINDS[law].of(given.geometry).sense
-        (ax, ay), (bx, by), det = _edges(frame, p)
-        first, second = (gx * by - gy * bx) / det, (ax * gy - ay * gx) / det
+        first, second = ca.vertsplit(ca.inv(_edges(frame, p)) @ force)
         return torque + given.radius * smu * (first + sense * second), first, second
-    return torque, normal, tangential
+    return torque, compression, tangential
 
 
-def _edges(frame: ca.SX, p: ca.SX) -> tuple[tuple[ca.SX, ca.SX], tuple[ca.SX, ca.SX], ca.SX]:
-    """The edges of both cones between which the force in a wedge lies, and their determinant."""
+def _edges(frame: ca.SX, p: ca.SX) -> ca.SX:
+    """The edges of both cones between which the force in a wedge lies, as columns."""
     at, given = FRAME.of(frame), MOTION.of(p)
-    c, s, c2, s2, smu = at.cosine, at.sine, at.second_cosine, at.second_sine, given.smu
-    other = smu * KINDS["wedge"].of(given.geometry).sense
-    ax, ay, bx, by = -c - smu * s, -s + smu * c, -c2 - other * s2, -s2 + other * c2
-    return (ax, ay), (bx, by), ax * by - ay * bx
+    first = ca.vertcat(at.cosine, at.sine)
+    second = ca.vertcat(at.second_cosine, at.second_sine)
+    other = given.smu * KINDS["wedge"].of(given.geometry).sense
+    return ca.horzcat(given.smu * _left(first) - first, other * _left(second) - second)
 
 
 def _wedge_margins(frame: ca.SX, p: ca.SX, first: ca.SX, second: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -509,7 +479,7 @@ def _wedge_margins(frame: ca.SX, p: ca.SX, first: ca.SX, second: ca.SX) -> tuple
     Then the force is between them unless it is in what is left of the turn, where both are
     positive; it comes there by the edge of that contact which stays.
     """
-    _, _, det = _edges(frame, p)
+    det = ca.det(_edges(frame, p))
     sense = KINDS["wedge"].of(MOTION.of(p).geometry).sense
     is_wide = ca.logic_and(sense < 0, det > 0)
     loses_first = first < second
@@ -596,14 +566,9 @@ def _slopes(kind: str, law: str, by_all: bool) -> ca.Function:
     by_pressure, g = ca.SX.sym("by_pressure", 3 * len(OF_PRESSURE)), ca.SX.sym("g", 3)
     by_turning = ca.SX.sym("by_turning", 3)
     motion = MOTION.of(p)
-    # Of the angles themselves: they are varied.
-    facing = (
-        ca.cos(motion.direction),
-        ca.sin(motion.direction),
-        ca.cos(motion.phi),
-        ca.sin(motion.phi),
-    )
-    twist, _, frame = _begun(kind, law, state, p, facing, z)
+    # By the angles themselves: they are varied.
+    direction, phi = _facing(motion.direction), _facing(motion.phi)
+    twist, _, frame = _begun(kind, law, state, p, direction, phi, z)
     varied = (
         ca.vertcat(state, *(p[place] for place in VARIED.values()))
         if by_all

@@ -5,7 +5,7 @@
    The contact, where P > 0, is bounded by stretches of the outline and by arcs of the conic P = 0,
    which are rational curves. Friction is summed over this boundary in cones.c. */
 
-enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_PLACES = 64 };
+enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_NODES = 1024, MOST_PLACES = 64 };
 /* Integrals of monomials over the contact. */
 enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
 /* Load and moments: of 1, x and y; and what balances them, c and l. */
@@ -35,31 +35,45 @@ static const double LEAN_SHARE = 0.1;
 /* A correction by less leaves nothing, whatever the tolerance. */
 static const double WELL_CORRECTED = 3e-8;
 enum { MOST_REPEATS = 3 };
+/* rad: nearer to each other two balances tell no slope. */
+static const double NEIGHBOURS = 1e-4;
 /* The classes of digits serve motions of tolerances above these. */
 static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
 
 /* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
    meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
-   axis: the larger half axis of Bernstein's ellipse, about -1 to 1, in which it is analytic in
-   2 s - 1. */
+   rule: Gauss's that its poles ask for; first: of its nodes. */
 typedef struct {
-    double a[2], b[2], c[2], weight, axis;
+    double a[2], b[2], c[2], weight;
+    int rule, first;
 } Arc;
 
-/* Places on the boundary, and the areas, twice, that cones to them sweep. */
+/* Nodes of Gauss's rules on arcs, and how the arcs go on there, times the weights; WIDTH of noughts
+   after them. */
 typedef struct {
-    Lanes x, y, cross;
-} Boundary;
+    int count;
+    double x[MOST_NODES], y[MOST_NODES], dx[MOST_NODES], dy[MOST_NODES];
+} Nodes;
+
+/* The balance at the last few orientations, the newest first, from which the next one is told. */
+enum { REMEMBERED = 4 };
+typedef struct {
+    int count;
+    double theta[REMEMBERED], lean[REMEMBERED][BALANCE_SIZE];
+} Past;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
-   the contact on the left. is_alone: no table knows the pressure where the object stands. */
+   the contact on the left, sides by columns, WIDTH more as the first one. is_alone: no table knows the pressure where the object
+   stands. */
 typedef struct Pressed {
     double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
     double moments[MONOMIALS];
     double tolerance;
     int is_alone, is_known, has_moments, has_slopes, digits, side_count, arc_count;
-    double sides[MOST_SIDES][EDGE_SIZE];
+    double sides[EDGE_SIZE][MOST_SIDES + WIDTH];
     Arc arcs[MOST_ARCS];
+    Nodes nodes;
+    Past past;
 } Pressed;
 
 /* Which of BOUNDARY_REACH serves a tolerance. */
@@ -70,7 +84,7 @@ static int digits_for(double tolerance) {
 }
 
 static void begin_pressed(Pressed *at, double tolerance) {
-    at->is_alone = at->is_known = 0;
+    at->is_alone = at->is_known = at->past.count = 0;
     at->tolerance = tolerance;
     at->digits = digits_for(tolerance);
 }
@@ -142,8 +156,8 @@ static void note(Places *places, double x, double y, int kind) {
 }
 
 static void put_side(Pressed *at, const double *side) {
-    if (at->side_count < MOST_SIDES)
-        memcpy(at->sides[at->side_count], side, EDGE_SIZE * sizeof(double));
+    for (int k = 0; k < EDGE_SIZE && at->side_count < MOST_SIDES; ++k)
+        at->sides[k][at->side_count] = side[k];
     ++at->side_count;
 }
 
@@ -215,55 +229,132 @@ static double around_bend(const Around *e, double x, double y) {
     return 2.0 * bent - x * e->slope[X] - y * e->slope[Y];
 }
 
-/* Where a function along the rim, of the derivative `by`, changes its sign between two angles:
-   by Newton's method inside the bracket, which is halved where that gains little. */
+/* On the unit circle, where the half angle from a place has this tangent. */
+static void turn_half(const double *from, double tangent, double *to) {
+    double down = 1.0 / (1.0 + tangent * tangent);
+    double c = (1.0 - tangent * tangent) * down, s = 2.0 * tangent * down;
+    to[X] = c * from[X] - s * from[Y];
+    to[Y] = c * from[Y] + s * from[X];
+}
+
+/* Where a function along the rim, of the derivative `by`, changes its sign between two places less
+   than half a turn apart: by Newton's method on the tangent of the half angle inside the bracket,
+   which is halved where that gains little. Returns its angle from the first. */
 static double zero_between(double (*of)(const Around *, double, double),
                            double (*by)(const Around *, double, double), const Around *e,
-                           double low, double high) {
+                           const double *from, const double *end, double *at) {
     enum { MOST_TRIALS = 100 };
-    double x = cos(low), y = sin(low), t = 0.5 * (low + high), before = high - low;
-    int is_rising = !(of(e, x, y) > 0.0);
+    double across = from[X] * end[Y] - from[Y] * end[X], along = from[X] * end[X] + from[Y] * end[Y];
+    double low = 0.0, high = across / (1.0 + along), before = high;
+    double first = of(e, from[X], from[Y]), last = of(e, end[X], end[Y]);
+    double t = first == last ? 0.5 * high : high * first / (first - last);
     for (int i = 0; i < MOST_TRIALS; ++i) {
-        x = cos(t);
-        y = sin(t);
-        double value = of(e, x, y), step = -value / by(e, x, y);
-        if ((value > 0.0) == is_rising)
+        turn_half(from, t, at);
+        double value = of(e, at[X], at[Y]);
+        double step = -0.5 * (1.0 + t * t) * value / by(e, at[X], at[Y]);
+        if ((value > 0.0) == !(first > 0.0))
             high = t;
         else
             low = t;
         int is_less = fabs(step) < 0.5 * before;
-        if (fabs(step) <= 4e-16 * fmax(1.0, fabs(t)) || (!is_less && fabs(step) < ROUNDED))
-            return t;
+        if (fabs(step) <= 2e-16 || (!is_less && fabs(step) < ROUNDED)) break;
         if (!is_less || !(low < t + step && t + step < high)) step = 0.5 * (low + high) - t;
         t += step;
         before = fabs(step);
     }
-    return t;
+    return 2.0 * atan(t);
+}
+
+/* The larger half axis of Bernstein's ellipse, about -1 to 1, in which an arc is analytic in 2 s - 1,
+   as the square of a quotient. Its poles are on the imaginary axis, of a hyperbola on the real
+   one. */
+typedef struct {
+    double above, below;
+} Axis;
+
+static Axis axis_of(double weight) {
+    return (Axis){weight < 1.0 ? 2.0 : 1.0 + weight, fabs(1.0 - weight)};
+}
+
+/* The first of Gauss's rules that serves an arc with such poles. On parabolas, whose poles are at
+   infinity, sums are of degree 8: six nodes at least. */
+enum { LEAST_RULE = 1 };
+static int arc_rule(Axis axis, int digits) {
+    int rule = LEAST_RULE;
+    while (rule < BOUNDARY_RULE_COUNT && axis.above < axis.below * POLE_REACH[digits][rule]) ++rule;
+    return rule;
+}
+
+static ALWAYS_INLINE Wide all(double x) { return (Wide){0.0} + x; }
+
+/* Nodes of a rule on the panel of an arc from low to high in 2 s - 1; whether there was room. */
+static WIDENED int put_nodes(Nodes *to, const Arc *arc, int rule, double low, double high) {
+    int first = BOUNDARY_FIRST[rule], count = BOUNDARY_FIRST[rule + 1] - first;
+    if (to->count + count + 2 * WIDTH > MOST_NODES) return 0;
+    const double *a = arc->a, *b = arc->b, *c = arc->c, twice = 2.0 * arc->weight;
+    double half = 0.5 * (high - low), middle = 0.5 + 0.25 * (low + high);
+    for (int j = 0; j < count; j += WIDTH) {
+        int at = to->count + j;
+        Wide node, share;
+        memcpy(&node, BOUNDARY_NODES + first + j, sizeof node);
+        memcpy(&share, BOUNDARY_WEIGHTS + first + j, sizeof share);
+        Wide s = middle + 0.5 * half * node, t = 1.0 - s, begun = t * t, ended = s * s, both = s * t;
+        both += both;
+        Wide bent = arc->weight * both, down = 1.0 / (begun + bent + ended);
+        Wide x = (begun * a[X] + bent * c[X] + ended * b[X]) * down;
+        Wide y = (begun * a[Y] + bent * c[Y] + ended * b[Y]) * down;
+        share *= half * (down * down);
+        begun *= twice;
+        ended *= twice;
+        Wide dx = begun * (c[X] - a[X]) + both * (b[X] - a[X]) + ended * (b[X] - c[X]);
+        Wide dy = begun * (c[Y] - a[Y]) + both * (b[Y] - a[Y]) + ended * (b[Y] - c[Y]);
+        dx *= share;
+        dy *= share;
+        memcpy(to->x + at, &x, sizeof x);
+        memcpy(to->y + at, &y, sizeof y);
+        memcpy(to->dx + at, &dx, sizeof dx);
+        memcpy(to->dy + at, &dy, sizeof dy);
+    }
+    to->count += count;
+    double *columns[] = {to->x, to->y, to->dx, to->dy};
+    for (int k = 0; k < 4; ++k) memset(columns[k] + to->count, 0, sizeof(Wide));
+    return 1;
 }
 
 static void put_arc(Pressed *at, const Arc *arc) {
-    if (at->arc_count < MOST_ARCS) at->arcs[at->arc_count] = *arc;
+    if (at->arc_count < MOST_ARCS) {
+        Arc *to = at->arcs + at->arc_count;
+        *to = *arc;
+        to->rule = arc_rule(axis_of(arc->weight), at->digits);
+        to->first = at->nodes.count;
+        int rule = to->rule < BOUNDARY_RULE_COUNT ? to->rule : BOUNDARY_RULE_COUNT - 1;
+        /* without room for its nodes there are too many arcs */
+        if (!put_nodes(&at->nodes, to, rule, -1.0, 1.0)) at->arc_count = MOST_ARCS;
+    }
     ++at->arc_count;
 }
 
-/* Its poles, in 2 s - 1, are on the imaginary axis, of a hyperbola on the real one. */
-static double axis_of(double weight) {
-    return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
-}
+/* A place on the unit circle. */
+typedef struct {
+    double angle, at[2];
+} Stop;
 
-/* Arcs of an ellipse's rim. */
-static void add_rims(Pressed *at, const double *semi, double from, double to) {
-    int count = (int)ceil((to - from) / WIDEST_RIM);
-    double half = 0.5 * (to - from) / count, weight = cos(half), axis = axis_of(weight);
+/* Arcs of an ellipse's rim from a stop to an angle. */
+static void add_rims(Pressed *at, const double *semi, const Stop *from, double to) {
+    int count = (int)ceil((to - from->angle) / WIDEST_RIM);
+    double half = 0.5 * (to - from->angle) / count, c = cos(half), s = sin(half);
+    double x = from->at[X], y = from->at[Y];
     for (int i = 0; i < count; ++i) {
-        double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
+        double middle_x = c * x - s * y, middle_y = c * y + s * x;
         Arc arc = {
-            .a = {semi[X] * cos(low), semi[Y] * sin(low)},
-            .b = {semi[X] * cos(high), semi[Y] * sin(high)},
-            .c = {semi[X] * cos(middle) / weight, semi[Y] * sin(middle) / weight},
-            .weight = weight,
-            .axis = axis,
+            .a = {semi[X] * x, semi[Y] * y},
+            .c = {semi[X] * middle_x / c, semi[Y] * middle_y / c},
+            .weight = c,
         };
+        x = c * middle_x - s * middle_y;
+        y = c * middle_y + s * middle_x;
+        arc.b[X] = semi[X] * x;
+        arc.b[Y] = semi[Y] * y;
         put_arc(at, &arc);
     }
 }
@@ -272,75 +363,48 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
    extremes. */
 static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     enum { MOST = 2 * RIM_SAMPLES, MOST_CUTS = 8 };
-    int kinds[MOST_CUTS];
+    int kinds[MOST_CUTS], count = 0, cut_count = 0;
     Around e = around_of(at->pressure, semi);
-    double stops[MOST + 1], values[MOST + 1], cuts[MOST_CUTS + 1], step = 2.0 * M_PI / RIM_SAMPLES;
+    Stop stops[MOST + 1], cuts[MOST_CUTS + 1];
+    double values[MOST + 1], step = 2.0 * M_PI / RIM_SAMPLES;
     double slope = around_slope(&e, 1.0, 0.0), value = around_at(&e, 1.0, 0.0);
     /* between samples of one sign P vanishes only where it is less than it can bend by */
     double most_bend = size_of(e.slope[X], e.slope[Y]) + 2.0 * fabs(e.yy - e.xx) + 4.0 * fabs(e.xy);
     double least = 0.125 * step * step * most_bend;
-    int count = 0, cut_count = 0;
-    for (int i = 0; i < RIM_SAMPLES; ++i) {
-        double x = RIM_COSINES[i + 1], y = RIM_SINES[i + 1];
-        double next = around_slope(&e, x, y), after = around_at(&e, x, y);
-        stops[count] = i * step;
+    for (int i = 0; i <= RIM_SAMPLES; ++i) {
+        Stop here = {i * step, {RIM_COSINES[i], RIM_SINES[i]}};
+        stops[count] = here;
         values[count++] = value;
+        if (i == RIM_SAMPLES) break;
+        const double there[] = {RIM_COSINES[i + 1], RIM_SINES[i + 1]};
+        double next = around_slope(&e, there[X], there[Y]), after = around_at(&e, there[X], there[Y]);
         int may_vanish = fmin(fabs(value), fabs(after)) <= least;
         if (may_vanish && (slope > 0.0) != (next > 0.0)) {
-            double t = zero_between(around_slope, around_bend, &e, i * step, (i + 1) * step);
-            stops[count] = t;
-            values[count++] = around_at(&e, cos(t), sin(t));
+            Stop *extreme = stops + count;
+            double t = zero_between(around_slope, around_bend, &e, here.at, there, extreme->at);
+            extreme->angle = here.angle + t;
+            values[count++] = around_at(&e, extreme->at[X], extreme->at[Y]);
         }
         slope = next;
         value = after;
     }
-    stops[count] = 2.0 * M_PI;
-    values[count] = values[0];
-    for (int i = 0; i < count; ++i)
+    for (int i = 0; i + 1 < count; ++i)
         if ((values[i] > 0.0) != (values[i + 1] > 0.0) && cut_count < MOST_CUTS) {
-            kinds[cut_count] = values[i + 1] > 0.0 ? IS_END : IS_START;
-            cuts[cut_count++] = zero_between(around_at, around_slope, &e, stops[i], stops[i + 1]);
+            const Stop *low = stops + i;
+            Stop *to = cuts + cut_count;
+            kinds[cut_count++] = values[i + 1] > 0.0 ? IS_END : IS_START;
+            double t = zero_between(around_at, around_slope, &e, low->at, low[1].at, to->at);
+            to->angle = low->angle + t;
         }
     if (!cut_count) {
-        if (values[0] > 0.0) add_rims(at, semi, 0.0, 2.0 * M_PI);
+        if (values[0] > 0.0) add_rims(at, semi, stops, 2.0 * M_PI);
         return;
     }
-    cuts[cut_count] = cuts[0] + 2.0 * M_PI;
     for (int i = 0; i < cut_count; ++i) {
-        note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kinds[i]);
-        if (kinds[i] == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
+        double end = i + 1 < cut_count ? cuts[i + 1].angle : cuts[0].angle + 2.0 * M_PI;
+        note(crossings, semi[X] * cuts[i].at[X], semi[Y] * cuts[i].at[Y], kinds[i]);
+        if (kinds[i] == IS_END) add_rims(at, semi, cuts + i, end);
     }
-}
-
-static ALWAYS_INLINE Lanes all(double x) { return (Lanes){0.0} + x; }
-
-/* An arc as it is summed: its ends and middle, and by its cross products how it sweeps areas. */
-typedef struct {
-    Lanes weight, x[3], y[3], areas[3];
-} Sweep;
-
-static ALWAYS_INLINE Sweep sweep_of(double weight, const double *a, const double *c,
-                                    const double *b) {
-    double first = a[X] * (c[Y] - a[Y]) - a[Y] * (c[X] - a[X]);
-    double whole = a[X] * (b[Y] - a[Y]) - a[Y] * (b[X] - a[X]);
-    double last = c[X] * (b[Y] - c[Y]) - c[Y] * (b[X] - c[X]);
-    return (Sweep){
-        all(weight),
-        {all(a[X]), all(c[X]), all(b[X])},
-        {all(a[Y]), all(c[Y]), all(b[Y])},
-        {all(2.0 * weight * first), all(whole), all(2.0 * weight * last)},
-    };
-}
-
-/* Places on an arc, and cross products with how they go on, times `share`. */
-static ALWAYS_INLINE void arc_at(const Sweep *arc, Lanes s, Lanes share, Boundary *at) {
-    Lanes t = 1.0 - s, first = t * t, both = s * t, last = s * s;
-    both += both;
-    Lanes middle = arc->weight * both, down = 1.0 / (first + middle + last);
-    at->x = (first * arc->x[0] + middle * arc->x[1] + last * arc->x[2]) * down;
-    at->y = (first * arc->y[0] + middle * arc->y[1] + last * arc->y[2]) * down;
-    Lanes cross = first * arc->areas[0] + both * arc->areas[1] + last * arc->areas[2];
-    at->cross = share * cross * (down * down);
 }
 
 /* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle,
@@ -351,10 +415,13 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     gradient_at(p, a[X], a[Y], first);
     gradient_at(p, b[X], b[Y], last);
     double turn = first[X] * last[Y] - first[Y] * last[X];
-    double start = size_of(first[X], first[Y]), end = size_of(last[X], last[Y]);
-    double bend = fabs(p[Q_XX]) + 2.0 * fabs(p[Q_XY]) + fabs(p[Q_YY]);
-    double least = NEARLY_DOUBLE * bend * size_of(ex, ey);
-    if (!(fabs(turn) > STRAIGHT_TURN * start * end) || start < least || end < least) {
+    /* all squared */
+    double start = first[X] * first[X] + first[Y] * first[Y];
+    double end = last[X] * last[X] + last[Y] * last[Y];
+    double bend = NEARLY_DOUBLE * (fabs(p[Q_XX]) + 2.0 * fabs(p[Q_XY]) + fabs(p[Q_YY]));
+    double least = bend * bend * (ex * ex + ey * ey);
+    int is_bent = turn * turn > STRAIGHT_TURN * STRAIGHT_TURN * start * end;
+    if (!is_bent || start < least || end < least) {
         const double side[] = {a[X], a[Y], b[X], b[Y]};
         put_side(at, side);
         return;
@@ -372,11 +439,12 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     };
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
-    double weight = whole.weight;
-    whole.axis = axis_of(weight);
-    for (; halvings < MOST_HALVINGS && whole.axis < LEAST_AXIS; ++halvings) {
+    Axis axis = axis_of(whole.weight);
+    for (double weight = whole.weight;
+         halvings < MOST_HALVINGS && axis.above < LEAST_AXIS * LEAST_AXIS * axis.below;
+         ++halvings) {
         weight = sqrt(0.5 * (1.0 + weight));
-        whole.axis = axis_of(weight);
+        axis = axis_of(weight);
     }
     if (!halvings) {
         put_arc(at, &whole);
@@ -521,7 +589,7 @@ static int cut(const Pressure *pressure, Pressed *at) {
     Places crossings;
     crossings.count = 0;
     const double *outline = pressure->outline;
-    at->has_moments = at->has_slopes = at->side_count = at->arc_count = 0;
+    at->has_moments = at->has_slopes = at->side_count = at->arc_count = at->nodes.count = 0;
     if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
     double first = pressure_at(at->pressure, outline[X], outline[Y]);
     for (int64_t i = 0; i < pressure->side_count; ++i) {
@@ -533,14 +601,16 @@ static int cut(const Pressure *pressure, Pressed *at) {
     }
     if (crossings.count > MOST_PLACES - 4) return 0;
     cut_inside(pressure, at, &crossings);
+    for (int k = 0; k < EDGE_SIZE && at->side_count <= MOST_SIDES; ++k)
+        for (int i = 0; i < WIDTH; ++i) at->sides[k][at->side_count + i] = at->sides[k][0];
     return at->side_count <= MOST_SIDES && at->arc_count <= MOST_ARCS;
 }
 
 /* Integrals of monomials over cones from the centroid: cross x^i y^j / (i + j + 2). */
-static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
-    Lanes x = at->x, y = at->y, second = at->cross * (1.0 / 2.0), third = at->cross * (1.0 / 3.0);
-    Lanes fourth = at->cross * (1.0 / 4.0), fifth = at->cross * (1.0 / 5.0);
-    Lanes xx = x * x, xy = x * y, yy = y * y, fx = fifth * x, fy = fifth * y;
+static ALWAYS_INLINE void add_monomials(Wide *m, Wide x, Wide y, Wide cross) {
+    Wide second = cross * (1.0 / 2.0), third = cross * (1.0 / 3.0), fourth = cross * (1.0 / 4.0);
+    Wide fifth = cross * (1.0 / 5.0);
+    Wide xx = x * x, xy = x * y, yy = y * y, fx = fifth * x, fy = fifth * y;
     m[OF_1] += second;
     m[OF_X] += third * x;
     m[OF_Y] += third * y;
@@ -553,63 +623,41 @@ static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
     m[OF_YYY] += fy * yy;
 }
 
-/* The first of Gauss's rules that serves an arc whose poles have this half axis. On parabolas,
-   whose poles are at infinity, sums are of degree 8: six nodes at least. */
-enum { LEAST_RULE = 1 };
-static int arc_rule(double axis, int digits) {
-    int rule = LEAST_RULE;
-    while (rule < BOUNDARY_RULE_COUNT && axis < POLE_REACH[digits][rule]) ++rule;
-    return rule;
+static ALWAYS_INLINE Wide taken(const double *from) {
+    Wide x;
+    memcpy(&x, from, sizeof x);
+    return x;
 }
 
-/* A panel of an arc, its middle and half its length in 2 s - 1, and one of Gauss's rules for
-   it. */
-typedef struct {
-    double middle, half;
-    int rule;
-} Panel;
-
-/* LANES places on it from the rule's node j on. */
-static ALWAYS_INLINE void panel_at(const Sweep *sweep, const Panel *panel, int j, Boundary *at) {
-    Lanes node, weight;
-    memcpy(&node, BOUNDARY_NODES + j, sizeof node);
-    memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-    arc_at(sweep, 0.5 * (1.0 + panel->middle) + 0.5 * panel->half * node, panel->half * weight, at);
+/* One for the first so many, nought after them. */
+static ALWAYS_INLINE Wide ones(int count) {
+    static const double of[2 * WIDTH] = {1.0, 1.0, 1.0, 1.0};
+    return taken(of + WIDTH - (count < WIDTH ? count : WIDTH));
 }
 
-static void arc_moments(const Arc *arc, Lanes *m) {
-    int rule = arc_rule(arc->axis, DIGIT_CLASSES - 1);
-    if (rule == BOUNDARY_RULE_COUNT) --rule;
-    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
-    Panel whole = {0.0, 1.0, rule};
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(&sweep, &whole, j, &at);
-        add_monomials(m, &at);
+static ALWAYS_INLINE double summed(const Wide *x) {
+    return ((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3]);
+}
+
+/* Of the contact. Along a side Gauss's rule of two nodes is exact. */
+static WIDENED void take_moments(Pressed *at) {
+    static const double places[] = {0.21132486540518711775, 0.78867513459481288225};
+    Wide m[MONOMIALS] = {{0.0}};
+    for (int i = 0; i < at->side_count; i += WIDTH) {
+        Wide ends[EDGE_SIZE];
+        for (int k = 0; k < EDGE_SIZE; ++k) ends[k] = taken(at->sides[k] + i);
+        Wide x = ends[EDGE_START_X], ex = ends[EDGE_END_X] - x;
+        Wide y = ends[EDGE_START_Y], ey = ends[EDGE_END_Y] - y, share = 0.5 * (x * ey - y * ex);
+        share *= ones(at->side_count - i);
+        for (int j = 0; j < 2; ++j)
+            add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
-}
-
-/* Of the contact. Along a side Gauss's rule of four nodes is exact, two at a time. */
-static void take_moments(Pressed *at) {
-    static const double outer = 0.8611363115940526, outer_weight = 0.3478548451374538;
-    static const double inner = 0.3399810435848563;
-    const Lanes places[] = {
-        {0.5 - 0.5 * outer, 0.5 + 0.5 * outer},
-        {0.5 - 0.5 * inner, 0.5 + 0.5 * inner},
-    };
-    const double weights[] = {0.5 * outer_weight, 0.5 - 0.5 * outer_weight};
-    Lanes m[MONOMIALS] = {{0.0}};
-    for (int i = 0; i < at->side_count; ++i) {
-        const double *side = at->sides[i];
-        double x = side[EDGE_START_X], ex = side[EDGE_END_X] - x;
-        double y = side[EDGE_START_Y], ey = side[EDGE_END_Y] - y, cross = x * ey - y * ex;
-        for (int j = 0; j < 2; ++j) {
-            Boundary on = {x + places[j] * ex, y + places[j] * ey, all(weights[j] * cross)};
-            add_monomials(m, &on);
-        }
+    const Nodes *nodes = &at->nodes;
+    for (int i = 0; i < nodes->count; i += WIDTH) {
+        Wide x = taken(nodes->x + i), y = taken(nodes->y + i);
+        add_monomials(m, x, y, x * taken(nodes->dy + i) - y * taken(nodes->dx + i));
     }
-    for (int i = 0; i < at->arc_count; ++i) arc_moments(at->arcs + i, m);
-    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = total(m + k);
+    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = summed(m + k);
     at->has_moments = 1;
 }
 
@@ -652,7 +700,7 @@ static double lacking(const Pressure *pressure, const Pressed *at, double *step)
 
 /* Balances load and moments from the c and l at hand by Newton's method on a convex function;
    whether that came to an end. */
-static int balance(const Pressure *pressure, Pressed *at) {
+static int balance_fully(const Pressure *pressure, Pressed *at) {
     double step[BALANCE_SIZE], tried[BALANCE_SIZE], left;
     if (!cut(pressure, at)) return 0;
     take_moments(at);
@@ -675,6 +723,15 @@ static int balance(const Pressure *pressure, Pressed *at) {
         left = now;
     }
     return left <= NEARLY_BALANCED;
+}
+
+/* The same, with all digits. */
+static int balance(const Pressure *pressure, Pressed *at) {
+    int digits = at->digits;
+    at->digits = DIGIT_CLASSES - 1;
+    int is_balanced = balance_fully(pressure, at);
+    at->digits = digits;
+    return is_balanced;
 }
 
 /* Derivatives of c and l by what the shape's numbers add to P. */
@@ -760,6 +817,7 @@ static void lean_by_theta(const Pressure *pressure, const Pressed *at, double *t
    its address already. */
 EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     Pressed at;
+    begin_pressed(&at, 0.0);
     double shape[SHAPE_SIZE];
     int64_t count = pressure->table_count;
     for (int64_t i = 0; i < count; ++i) {
@@ -791,21 +849,49 @@ static int settle(const Pressure *pressure, Pressed *at) {
     return 0;
 }
 
-/* The pressure at an orientation from that at the last one, or else anew. Not a number where the
+/* c and l as a polynomial through those of the last few orientations has them. */
+static void lean_ahead(const Past *past, double theta, double *to) {
+    for (int k = 0; k < BALANCE_SIZE; ++k) to[k] = 0.0;
+    for (int i = 0; i < past->count; ++i) {
+        double weight = 1.0;
+        for (int j = 0; j < past->count; ++j)
+            if (j != i) weight *= (theta - past->theta[j]) / (past->theta[i] - past->theta[j]);
+        for (int k = 0; k < BALANCE_SIZE; ++k) to[k] += weight * past->lean[i][k];
+    }
+}
+
+/* Between orientations closer than NEIGHBOURS differences are the corrections' digits: the new one
+   takes the place of such. */
+static void remember(Past *past, double theta, const double *lean) {
+    const Past before = *past;
+    past->count = 0;
+    for (int i = -1; i < before.count && past->count < REMEMBERED; ++i) {
+        if (i >= 0 && fabs(before.theta[i] - theta) <= NEIGHBOURS) continue;
+        past->theta[past->count] = i < 0 ? theta : before.theta[i];
+        memcpy(past->lean[past->count++], i < 0 ? lean : before.lean[i], sizeof before.lean[0]);
+    }
+}
+
+/* The pressure at an orientation from those at the last ones, or else anew. Not a number where the
    load cannot be balanced. */
 static void press_alone(const Pressure *pressure, double theta, Pressed *at) {
-    double shape[SHAPE_SIZE], slope[BALANCE_SIZE];
+    double shape[SHAPE_SIZE];
     shapes_at(pressure, theta, shape);
-    if (at->is_known) {
-        if (!at->has_slopes) slopes_of(at);
-        lean_by_theta(pressure, at, slope);
-        for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] += (theta - at->theta) * slope[k];
+    int is_settled = 0;
+    if (at->past.count) {
+        lean_ahead(&at->past, theta, at->pressure);
         bend(at->pressure, shape);
         cut(pressure, at);
-        if (settle(pressure, at)) return;
+        is_settled = settle(pressure, at);
     }
-    if (!begin_balance(pressure, shape, at) || !balance(pressure, at))
-        for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+    if (!is_settled) {
+        at->past.count = 0;
+        if (!begin_balance(pressure, shape, at) || !balance(pressure, at)) {
+            for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+            return;
+        }
+    }
+    remember(&at->past, theta, at->pressure);
 }
 
 /* The pressure at an orientation: from the table, corrected where that may be too far off. */

@@ -119,30 +119,30 @@ def write_sources(folder: Path) -> None:
     )
 
 
-# How instructions of CasADi's are written for Lanes, of the results of earlier ones.
+# How instructions of CasADi's are written for Wide, of the results of earlier ones.
 LANE_OPERATIONS = {
     **{ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}"},
     **{ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "{0} + {0}"},
-    **{ca.OP_INV: "1.0 / {0}", ca.OP_FABS: "sizes({0})", ca.OP_SQRT: "rooted({0})"},
-    ca.OP_LOG1P: "logarithms({0})",
+    **{ca.OP_INV: "1.0 / {0}", ca.OP_FABS: "sizes({0})", ca.OP_SQRT: "roots({0})"},
+    **{ca.OP_LOG1P: "logarithms({0})", ca.OP_SIGN: "signs({0})"},
 }
 
 
 def _in_lanes() -> list[str]:
-    """The functions of some sides at once, in C."""
-    return [_lanes_code(name, function) for name, function in equations.side_kernels().items()]
+    """The functions of some places at once, in C."""
+    return [_lanes_code(name, function) for name, function in equations.rim_kernels().items()]
 
 
 def _lanes_code(name: str, function: ca.Function) -> str:
-    """One function of one row of numbers, each of them Lanes."""
-    lines = [f"static ALWAYS_INLINE void {name}(const Lanes *given, Lanes *found) {{"]
-    lines.append(f"    Lanes {', '.join(f'a{place}' for place in range(function.sz_w()))};")
+    """One function of one row of numbers, each of them Wide."""
+    lines = [f"static ALWAYS_INLINE void {name}(const Wide *given, Wide *found) {{"]
+    lines.append(f"    Wide {', '.join(f'a{place}' for place in range(function.sz_w()))};")
     for index in range(function.n_instructions()):
         operation = function.instruction_id(index)
         read, written = function.instruction_input(index), function.instruction_output(index)
         if operation == ca.OP_CONST:
             lines.append(
-                f"    a{written[0]} = (Lanes){{0.0}} + {function.instruction_constant(index)!r};"
+                f"    a{written[0]} = (Wide){{0.0}} + {function.instruction_constant(index)!r};"
             )
         elif operation == ca.OP_INPUT:
             lines.append(f"    a{written[0]} = given[{read[1]}];")
@@ -294,7 +294,7 @@ def _tables() -> str:
         ("A", coefficients),
         ("BEND", bend_weights()),
         ("BOUNDARY_REACH", reach),
-        ("POLE_REACH", pole_reach),
+        ("POLE_REACH", pole_reach**2),
     ):
         rows = braced(braced(row) for row in table.tolist())
         lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")

@@ -74,31 +74,29 @@ class Ground:
             return np.zeros(2)
         return np.array(self.patch.outline.centroid) / self.footprint.extent
 
-    @property
-    def gradient(self) -> Array:
-        """Slope (2,) of the part that leans."""
-        return self._slope(self.patch.gradient if self.patch else (0.0, 0.0))
+    def slope(self, name: str) -> Array:
+        """Slope (2,) of a patch by its name: `gradient` of what leans, `balance` of what the load
+        on the corners makes lean.
+        """
+        return self.footprint.extent * np.asarray(getattr(self.patch, name, (0.0, 0.0)))
 
-    @property
-    def balance(self) -> Array:
-        """Slope (2,) of what the load on the corners makes lean."""
-        return self._slope(self.patch.balance if self.patch else (0.0, 0.0))
-
-    def _slope(self, per_length: tuple[float, float]) -> Array:
-        return self.footprint.extent * np.asarray(per_length)
+    @cached_property
+    def leans(self) -> bool:
+        """Whether the pressure has a slope."""
+        return bool(np.any(self.slope("gradient") != 0.0))
 
     @property
     def far(self) -> float:
         """From where on nodes are summed, extents; infinite where rows always hold."""
         if self.polygon is None:
             return np.inf
-        return _LEANING_FAR if np.any(self.gradient != 0.0) else _FAR
+        return _LEANING_FAR if self.leans else _FAR
 
     @cached_property
     def area_nodes(self) -> Array:
         """Nodes of the mean over a polygon."""
         assert self.polygon is not None
-        order = _LEANING_ORDER if np.any(self.gradient != 0.0) else _FAR_ORDER
+        order = _LEANING_ORDER if self.leans else _FAR_ORDER
         return np.column_stack(area_quadrature(self.polygon, order))
 
     @cached_property
@@ -123,7 +121,7 @@ class Part:
 
     def load(self, ground: Ground) -> float:
         """Return its share of the load; 0: it is not summed."""
-        return 0.0
+        return float(getattr(ground.patch, self.share)) if self.share and ground.patch else 0.0
 
     def rows(self, ground: Ground) -> Array:
         """Return its rows, for unit load; none: a footprint that cannot have it."""
@@ -164,10 +162,6 @@ class Inner(Part):
     name = "inner"
     share = "inner_share"
 
-    def load(self, ground: Ground) -> float:
-        """The share of that name."""
-        return ground.patch.inner_share if ground.patch else 0.0
-
     def rows(self, ground: Ground) -> Array:
         """Sides of the inner outline, or one patch."""
         if isinstance(ground.outline, Ellipse):
@@ -190,10 +184,6 @@ class Rim(Part):
 
     name = "rim"
     share = "rim_share"
-
-    def load(self, ground: Ground) -> float:
-        """The share of that name."""
-        return ground.patch.rim_share if ground.patch else 0.0
 
     def rows(self, ground: Ground) -> Array:
         """A line along every side, or one along the ellipse."""
@@ -221,10 +211,6 @@ class Corners(Part):
     share = "corner_share"
     balance = "balance"
 
-    def load(self, ground: Ground) -> float:
-        """The share of that name."""
-        return ground.patch.corner_share if ground.patch else 0.0
-
     def rows(self, ground: Ground) -> Array:
         """The vertices as points."""
         if ground.polygon is None:
@@ -243,29 +229,27 @@ class Leaning(Part):
     """No load of its own: it moves the centre of pressure to the centre of mass."""
 
     name = "leaning"
+    slope: ClassVar[str] = "gradient"
 
     def load(self, ground: Ground) -> float:
         """As it is, where the footprint leans."""
-        return float(np.any(ground.gradient != 0.0))
-
-    def slope(self, ground: Ground) -> Array:
-        """Return by how much the pressure rises, (2,)."""
-        return ground.gradient
+        return float(ground.leans)
 
     def rows(self, ground: Ground) -> Array:
         """Sides that lean, or one patch without a level."""
-        slope = self.slope(ground)
+        slope = ground.slope(self.slope)
+        if not np.any(slope != 0.0):
+            return no_rows()
         if isinstance(ground.outline, Ellipse):
             return _patch(ground.outline, ground.middle, slope, 0.0)
-        if ground.polygon is None or not np.any(slope != 0.0):
-            return no_rows()
+        assert ground.polygon is not None
         ends = ends_of(ground.polygon)
         lean = np.tile((*slope, *ground.middle), (len(ends), 1))
         return rows_of("lean", 1.0 / ground.polygon.area, np.hstack([ends, lean]))
 
     def nodes(self, ground: Ground) -> Array:
         """Those of the mean over the area, weighted."""
-        slope = self.slope(ground)
+        slope = ground.slope(self.slope)
         if ground.polygon is None or not np.any(slope != 0.0):
             return super().nodes(ground)
         places, shares = ground.area_nodes[:, :2], ground.area_nodes[:, 2]
@@ -276,18 +260,11 @@ class Balance(Leaning):
     """How what leans changes by the load on the corners: in no sum, but in that derivative."""
 
     name = "balance"
+    slope = "balance"
 
     def load(self, ground: Ground) -> float:
         """None."""
         return 0.0
-
-    def slope(self, ground: Ground) -> Array:
-        """Return by how much the pressure rises, (2,)."""
-        return ground.balance
-
-    def rows(self, ground: Ground) -> Array:
-        """Sides that lean; ellipses have no corners."""
-        return no_rows() if ground.polygon is None else super().rows(ground)
 
 
 # All parts in the order of their sums; the even one first, at whose expense others grow.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord
 from cyclemap.mechanics import EllipseFriction, Material, Pose, Pusher, QuasiStaticModel, Slider
 
 FRICTION = EllipseFriction.isotropic(0.25)

@@ -27,8 +27,8 @@ from cyclemap.evidence import (
     simulated_ensemble,
 )
 from cyclemap.evidence.comparison.collection_data import collection_data
+from cyclemap.evidence.comparison.collection_null import as_prediction
 from cyclemap.evidence.comparison.cycle_agreement import map_misfit, simulated_quantity
-from cyclemap.evidence.comparison.prediction import as_prediction
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.mechanics import MaterialPosterior
 from cyclemap.views.verdicts import verdicts
@@ -137,7 +137,7 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
     found = compare(
         loop_of(SINE), tmp_path / "poses.csv", noise=NOISE, runs=19, progress=progress.append
     )
-    assert found.prediction.kind == "loop"
+    assert found.kind == "loop"
     assert [one.question for one in verdicts(found)][:5] == [
         *(f"mean {quantity} of rect1 on plywood" for quantity in ("turn of a push", "Δx", "Δy")),
         "ends of pushes",
@@ -160,19 +160,18 @@ def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_say
     mu_a, drawn = loop.material.friction.mu_a, rng.normal(1.0, 0.05, (44, 1))
     posterior = MaterialPosterior(("mu_a",), tuple((mu_a * ratio[0],) for ratio in drawn[:32]))
     known = replace(loop, material=replace(loop.material, posterior=posterior))
-    prediction, rejected = (
-        as_prediction(known, quiet, 200, tolerance=1e-4),
-        {"known": 0, "alone": 0},
-    )
+    prediction = as_prediction(known, quiet, 200, tolerance=1e-4)
+    alone = replace(prediction, samples=())
+    rejected = {"known": 0, "alone": 0}
     for number, (ratio,) in enumerate(drawn[32:].tolist()):
         friction = replace(loop.material.friction, mu_a=mu_a * ratio)
         truth = replace(loop, material=replace(loop.material, friction=friction)).circle_map(1e-4)
         path = sample_staircase(truth, quiet, 200, 0.5, number).theta
         for name, model in (
-            ("known", prediction.model(0, uncertain=True)),
-            ("alone", prediction.model(0)),
+            ("known", prediction),
+            ("alone", alone),
         ):
-            ensemble = simulated_ensemble(prediction.model(0), 0.5, path.size, 20, seed=9)
+            ensemble = simulated_ensemble(alone, 0.5, path.size, 20, seed=9)
             found = collection_p_values(
                 path, model, {"map": map_misfit}, runs=99, ensemble=ensemble
             )

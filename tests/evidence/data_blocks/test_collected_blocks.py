@@ -187,21 +187,25 @@ def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(
     assert found.friction().mu_a == pytest.approx(0.28, abs=2e-3)
 
 
+# Wear at an even pace.
+PACE = {f"wear_pace_{stretch}": 0.0 for stretch in range(1, 9)}
+
+
 def test_first_and_wear_choose_and_order_the_cycles(collection) -> None:
     found = collected_blocks([collection], LOOP, first=20, wear=True, most=6)
     cycles = cycles_of(found)
     assert len(cycles.groups) == CYCLES - 1 - 20 and found.last_cycle == CYCLES - 2 - 20
     # On a surface that does not wear each derivative is shared out between its two ends.
     jacobian = cycles.residuals(
-        TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)}
+        TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)} | PACE
     )[1]
     fresh, worn = (
         jacobian[:, cycles.parameters.index(f"{word}offset_x")] for word in ("", "worn_")
     )
-    assert worn[0] == fresh[-1] == 0.0 and np.all(np.diff(worn / (fresh + worn)) > 0.0)
-    assert set(telling_parameters(found.blocks)[-7:]) == {
-        f"worn_{name}" for name in (*ELLIPSE, *FLOOR)
-    }
+    assert [worn[0], fresh[-1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert np.all(np.diff(worn / (fresh + worn)) > 0.0)
+    worn_names = {f"worn_{name}" for name in (*ELLIPSE, *FLOOR)}
+    assert set(telling_parameters(found.blocks)[-15:]) == worn_names | set(PACE)
 
 
 def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
@@ -352,3 +356,47 @@ def test_files_that_tell_the_same_are_counted(tmp_path) -> None:
     found = collected_blocks(files, LOOP)
     assert len(found.notes) < 5
     assert any(note.startswith(f"{files[0]} and 4 more like it: ") for note in found.notes)
+
+
+def test_a_row_that_does_not_tell_its_plate_or_its_speed_counts_once(tmp_path) -> None:
+    """Rows of two plates, of two speeds, and of neither: each is one push of one session."""
+    rows = []
+    for place in range(24):
+        cells = push_row(place, shape=("rect1", "hex", "")[place % 3]).split(",")
+        cells[2] = ("10", "20", "")[place // 3 % 3]
+        rows.append(",".join(cells))
+    found = collected_blocks([write(tmp_path / "ends.csv", ENDS, rows)], LOOP)
+    ends = [block for block in found.blocks if block.motions is not None]
+    counts = {block.name: len(block.motions) for block in ends}
+    assert sum(counts.values()) == 24
+    assert {name.partition(" ")[0] for name in counts} == {"rect1", "hex"}
+
+
+@pytest.mark.parametrize("tips", [True, False])
+def test_pushes_at_one_contact_are_one_group_whether_or_not_the_rods_places_are_told(
+    tmp_path, tips
+) -> None:
+    """Twelve contacts, three pushes at each: what the model misses at a contact is no evidence
+    three times.
+    """
+    columns = ENDS.strip().split(",")
+    count = len(columns) if tips else columns.index("tip_x0")
+    rows = []
+    for place in range(36):
+        side, fraction = place % 4, 0.3 + 0.2 * (place // 4 % 3)
+        cells = ["slate", "rect1", 10, side, fraction, 0, 0, 0, 0, 0, -0.02, 0.1, 0.001 * place]
+        rows.append(",".join(map(str, [*cells, 0.05, 0.001 * place, 0, 0][:count])) + "\n")
+    header = ",".join(columns[:count]) + "\n"
+    path = write(tmp_path / "ends.csv", header, rows)
+    (block,) = collected_blocks([path], LOOP, push_length=0.05).blocks
+    assert len(block.motions) == 36 and len(np.unique(block.groups)) == 12
+
+
+def test_pushes_at_few_contacts_are_said_to_make_narrow_intervals(tmp_path) -> None:
+    rows = [push_row(place) for place in range(12)]
+    path = write(tmp_path / "ends.csv", ENDS, rows)
+    assert any(
+        "12 pushes at 4 contacts alone" in note for note in collected_blocks([path], LOOP).notes
+    )
+    path = write(tmp_path / "each.csv", ENDS, rows[:4])
+    assert not any("alone" in note for note in collected_blocks([path], LOOP).notes)

@@ -30,10 +30,11 @@ from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PLATE_NAMES,
     SURFACE,
+    worn_share,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends, push_from_contact
-from cyclemap.evidence.pushes.columns import DRAG_ENDS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import measured_drags
+from cyclemap.evidence.tables.columns import DRAG_ENDS, known_columns
 from cyclemap.mechanics import Pose, Pusher, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
 
@@ -58,7 +59,8 @@ OFFSET = np.array([8e-4, -5e-4])
 SHIFTS = {"tip_offset_x": 8e-4, "tip_offset_y": -5e-4, "rod_off_x": 3e-4, "rod_off_y": -2e-4}
 SHIFTS |= {"rod_off_turn": 0.01}
 VALUES = {**TRUTH.values(), **SHIFTS}
-WORN = VALUES | {f"worn_{name}": value for name, value in LATE.items()}
+PACE = {f"wear_pace_{stretch}": 0.1 * stretch for stretch in range(1, 9)}
+WORN = VALUES | {f"worn_{name}": value for name, value in LATE.items()} | PACE
 PLAIN = {**SurfaceParameters().values(), **dict.fromkeys(SHIFTS, 0.0)}
 OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
 # What a stroke itself may be off by, rad, and steps wide enough that it counts for little.
@@ -126,7 +128,7 @@ KINDS = {
     "pushes by hand": (lambda: push_end_block(made_pushes(8), RECT1, None, 3), (24, 35), math.inf),
     "drags": (lambda: drag_turn_block(made_drags(8), RECT1), (8, 11), 3e-4),
     "cycles": (made_cycles, (12, 12), 5e-3),
-    "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 19), math.inf),
+    "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 27), math.inf),
 }
 
 
@@ -189,11 +191,25 @@ def test_a_subset_has_the_rows_of_whole_strokes(kind: str) -> None:
             assert own == pytest.approx(whole[rows], abs=1e-9)
 
 
-def test_wear_blends_the_turns_of_the_fresh_and_the_worn_surface() -> None:
-    fresh, at_end = (made_cycles().residuals(values)[0] for values in (VALUES, VALUES | LATE))
-    for share in (0.0, 0.25, 1.0):
-        residual = made_cycles(share).residuals(WORN)[0]
-        assert residual == pytest.approx((1.0 - share) * fresh + share * at_end, abs=1e-12)
+def test_cycles_on_a_surface_that_wears_turn_as_on_one_of_which_all_is_between() -> None:
+    """Not the turns are between those of fresh and worn surface, which differ by degrees: the
+    surface is.
+    """
+    steady = WORN | dict.fromkeys(PACE, 0.0)
+    for share in (0.0, 0.3, 0.6, 1.0):
+        between = {name: (1.0 - share) * VALUES[name] + share * LATE[name] for name in LATE}
+        expected = made_cycles().residuals(VALUES | between)[0]
+        assert made_cycles(share).residuals(steady)[0] == pytest.approx(expected, abs=2e-3)
+
+
+def test_a_surface_wears_where_its_pace_is_fast_and_all_of_it_by_the_end() -> None:
+    elapsed = np.linspace(0.0, 1.0, 33)
+    share, by_pace = worn_share(list(PACE.values()), elapsed)
+    assert share[[0, -1]] == pytest.approx([0.0, 1.0]) and np.all(np.diff(share) > 0.0)
+    assert np.diff(share[::4]) / share[4] == pytest.approx(np.exp(0.1 * np.arange(8)))
+    assert worn_share(np.full(8, 3.0), elapsed)[0] == pytest.approx(elapsed)
+    # All paces faster alike change nothing.
+    assert by_pace.sum(axis=1) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_shape_is_a_pressure_so_that_a_heavier_plate_has_less_of_it_in_its_own() -> None:
@@ -259,7 +275,7 @@ def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> N
 def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
     refused(drag_turn_block, [], RECT1, told="no strokes")
     refused(cycle_pair_block, MIT, THETA, THETA[1:], np.arange(12), told="one turn for each")
-    refused(made_cycles, 1.5, told="from 0 to 1")
+    refused(made_cycles, 1.5, told="a share of the data, 0 to 1")
 
 
 @pytest.mark.parametrize(
@@ -299,7 +315,7 @@ def test_the_rod_of_a_collection_is_as_thick_as_it_is_said_to_be() -> None:
     for theta in np.linspace(0.0, 5.0, 4):
         cycle, start = loop.cycle(theta), loop.start_pose(theta)
         end = Pose(*start.to_world(*cycle.push_displacement), theta + cycle.push_turn)
-        push = push_from_contact(loop.slider, 0.008, loop.push, start, end, 0)
+        push = push_from_contact(loop.slider, 0.008, loop.push, start, end)
         pushes.append(push)
     values = SurfaceParameters.from_friction(loop.material.friction, pusher_friction=0.15).values()
     given = {**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0}

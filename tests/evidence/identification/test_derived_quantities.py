@@ -3,12 +3,20 @@ truth.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from stand_ins import made_scans
+from stand_ins import ELLIPSE, made_scans
 
-from cyclemap.evidence import Identification, friction_ellipse_from_scans
+from cyclemap.evidence import (
+    Identification,
+    friction_ellipse_from_scans,
+    friction_scan_block,
+    identified_material,
+    identify,
+)
+from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, SURFACE
 from cyclemap.evidence.identified_material import Derived, derived_quantities, sampled_values
 from cyclemap.mechanics import EllipseFriction
 
@@ -68,3 +76,25 @@ def test_samples_scatter_as_the_covariance_says() -> None:
     assert drawn.shape == (4000, 5) and np.all(found.uncertainty.freedom > 20.0)
     assert np.mean(drawn, axis=0) == pytest.approx(found.fit.vector, abs=4e-4)
     assert np.std(drawn, axis=0) == pytest.approx(found.uncertainty.standard_error, rel=0.1)
+
+
+def test_surfaces_that_may_wear_to_no_ellipse_have_a_posterior_of_those_that_do_not() -> None:
+    """Late scans that hardly tell where the worn ellipse lies: many draws of it leave zero out."""
+    directions = np.linspace(0.0, 2 * np.pi, 6, endpoint=False)
+    fresh = friction_scan_block(made_scans(LAW, directions, 8.0, 0.1), 8.0)
+    worn = tuple(replace(SURFACE[name], name=f"worn_{name}") for name in ELLIPSE[1:])
+    late = replace(
+        friction_scan_block(made_scans(LAW, directions, 8.0, 2.5, seed=1), 8.0),
+        name="late scans",
+        parameters=(ELLIPSE[0], *(parameter.name for parameter in worn)),
+        asked=ELLIPSE,
+        own_parameters=worn,
+        kinds="late force (N)",
+    )
+    found = identify([fresh, late], [*ELLIPSE, *late.parameters[1:]], starts=1)
+    count = len(sampled_values(found, 200))
+    assert 20 < count < 190
+    floor = {name: 0.0 for flat in FLOOR_NAMES for name in (flat, f"worn_{flat}")}
+    held = replace(found, problem=replace(found.problem, fixed={**found.problem.fixed, **floor}))
+    material = identified_material(held, "slate", last_cycle=10.0)
+    assert material.wear is not None and len(material.posterior) == count

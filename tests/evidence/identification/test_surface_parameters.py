@@ -72,11 +72,6 @@ def test_a_space_selects_and_extends_by_name_and_begins_at_the_nominal_surface()
             lambda: SurfaceParameters.from_friction(EllipseFriction(0.2, 0.2), plate_dom=1.0),
             "did you mean 'plate_dome'",
         ),
-        (
-            lambda: SurfaceParameters().chain(np.ones((1, 1)), ("hitch_x",)),
-            "unknown parameter of the mechanics",
-        ),
-        (lambda: SurfaceParameters().chain(np.ones((1, 1)), ("mu_a", "mu_b")), "match the 2 names"),
         (lambda: Parameter("x", "", "1", 0.0, 1.0, 0.0, 1.0), "strictly between"),
         (lambda: ParameterSpace((SURFACE["plate_dome"], SURFACE["plate_dome"])), "named twice"),
         (lambda: SURFACE.select(("plate_dome",)).vector({}), "no value for plate_dome"),

@@ -10,7 +10,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop, drifting_map, worn_loop
 from cyclemap.evidence import read_theta0_pairs, turn_bins
-from cyclemap.evidence.comparison.prediction import Prediction
+from cyclemap.evidence.comparison.collection_null import CollectionModel
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import DriftingMap, LocalNoise, WrappedNormal, sample_staircases
 from cyclemap.mechanics import load_material
@@ -52,7 +52,7 @@ def test_it_says_that_it_was_inferred_and_from_what() -> None:
 
 def test_the_map_is_within_2_1_degrees_over_bins_of_the_blocks_left_out(pairs, drifting) -> None:
     late = (pairs.cycle >= 500) & (pairs.cycle // BLOCK % 2 == 1)
-    turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turns(
+    turn = CollectionModel(drifting, WrappedNormal(0.02)).turns(
         pairs.theta[late], pairs.cycle[late]
     )[0]
     theta = pairs.theta[late]

@@ -16,12 +16,8 @@ from cyclemap.evidence.laws.measured_cycle_map import (
     measured_cycle_map,
     turn_pace,
 )
-from cyclemap.evidence.pushes.theta0_pairs import (
-    Theta0Pairs,
-    is_covered,
-    read_theta0_pairs,
-    turn_bins,
-)
+from cyclemap.evidence.laws.turn_bins import is_covered, turn_bins
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 
 pytestmark = pytest.mark.slow
 

@@ -14,6 +14,7 @@ from cyclemap.evidence.laws.linear_fit import (
     fourier_columns,
     nested_errors,
     simplest_good,
+    student_quantile,
 )
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_log_variance, fit_periodic_law
 
@@ -289,4 +290,4 @@ def test_turning_the_angles_and_scaling_the_values_turn_and_scale_the_law(
 )
 def test_bad_input_is_refused_by_name(change, options, match) -> None:
     refused(fit_periodic_law, *change(*made(10)), told=match, **options)
-    refused(fit_periodic_law(*made(10), harmonics=3).half_bands, GRID, level=95, told="level is 95")
+    refused(student_quantile, 95, 10.0, told="level is 95")

@@ -137,3 +137,12 @@ def test_a_set_with_too_few_pushes_says_so_in_its_row() -> None:
     assert (row.dtheta, row.dx, row.dy) == (None, None, None)
     assert row.problem == "too few pushes with a known end for a spread: 1 of 5"
     assert push_statistics(noisy_set(0, 20)).problem is None
+
+
+def test_pairs_of_orientations_alone_have_the_sense_in_which_they_were_loaded(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("theta0_deg\n" + "".join(f"{-9 * push}\n" for push in range(25)))
+    (pushes,) = push_sets(load_pushes(path, angles="clockwise"))
+    assert pushes.pairs is not None
+    assert np.degrees(pushes.pairs.turn) == pytest.approx(9.0)
+    assert pushes.pairs.theta == pytest.approx(pushes.theta)

@@ -7,7 +7,6 @@ import pytest
 from refusals import refused
 
 from cyclemap.errors import DataFileError
-from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
@@ -15,6 +14,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     measured_pushes,
     selected,
 )
+from cyclemap.evidence.tables.columns import DRAG_ENDS, ENDS, RODS, known_columns
 from cyclemap.mechanics import Pose
 from cyclemap.text_files import read_csv_table
 

@@ -16,12 +16,8 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.push_files import (
-    PushRecord,
-    ScanRecord,
-    read_push_file,
-    write_push_file,
-)
+from cyclemap.evidence.pushes.push_files import read_push_file, write_push_file
+from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
 from cyclemap.mechanics.slider import Slider
 
 RECT1 = Slider.mit("rect1").outline_points()

@@ -9,12 +9,11 @@ import pytest
 from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, turned, write
 from refusals import refused
 
-from cyclemap.errors import DataFileError, DoubtfulInput
+from cyclemap.errors import DoubtfulInput
 from cyclemap.evidence.pushes.push_table import (
     PUSH_COLUMNS,
     SCAN_COLUMNS,
     load_pushes,
-    read_push_csv,
 )
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.text_files import read_csv_table
@@ -36,8 +35,15 @@ def test_poses_give_the_motion_in_the_initial_frame_and_the_shorter_turn(tmp_pat
     assert row[["dx", "dy", "dtheta"]].tolist() == pytest.approx([0.03, -0.09, 2 * np.pi - 5.8])
     assert row.theta1 == pytest.approx(2 * np.pi - 2.8)
     assert np.isnan(row.theta_next) and row[["surface", "side"]].isna().all()
-    row = read_push_csv(csv(tmp_path, "x0,y0,theta0_deg,x1,y1,theta1_deg\n0,0,90,0,1,120\n"))[0]
+    path = csv(tmp_path, "x0,y0,theta0_deg,x1,y1,theta1_deg\n0,0,90,0,1,120\n")
+    row = load_pushes(path).table.iloc[0]
     assert (row["dx"], row["dy"], row["dtheta"]) == pytest.approx((1.0, 0.0, np.pi / 6))
+
+
+def test_the_next_orientation_is_read_in_degrees_beside_poses_too(tmp_path) -> None:
+    header = "x0,y0,theta0_deg,x1,y1,theta1_deg,theta_next_deg"
+    table = load_pushes(csv(tmp_path, f"{header}\n0,0,10,0,0.1,80,20\n0,0,20,0,0.1,90,395\n")).table
+    assert np.degrees(table["theta_next"].to_numpy()) == pytest.approx([20.0, 35.0])
 
 
 def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
@@ -69,7 +75,7 @@ def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
         ),
         (
             f"{POSES}\n350,0,0,0,0,0\n",
-            "line 2: x0 is 350; it must be a number within 100 .SI units",
+            "line 2: x0 is 350; it must be a number within 100 (SI units",
         ),
         (f"speed,{POSES}\nfast,0,0,0,0,0,0\n", "line 2: speed is 'fast'"),
         (f"{POSES}\n0,0,0\n", "line 2: 3 of 6 fields"),
@@ -79,12 +85,10 @@ def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
 )
 def test_a_bad_table_is_refused_by_line_and_reported(tmp_path, text, said) -> None:
     path = csv(tmp_path, text)
-    refused(read_push_csv, path, told=said, kind=DataFileError)
     loaded = load_pushes(tmp_path)
     assert tuple(loaded.table.columns) == PUSH_COLUMNS and loaded.table.empty and loaded.scans.empty
-    assert [entry.path for entry in loaded.unreadable] == [path] and str(
-        tmp_path
-    ) not in loaded.unreadable[0].reason
+    (bad,) = loaded.unreadable
+    assert bad.path == path and said in bad.reason and str(tmp_path) not in bad.reason
 
 
 def test_measured_plywood_gives_the_pairs_of_its_staircase_in_order(measured_data: Path) -> None:
@@ -271,8 +275,9 @@ def test_rows_without_a_pose_are_left_out_and_told_and_other_empty_fields_do_no_
     with pytest.warns(
         DoubtfulInput, match="2 of 20 rows left out for want of a pose, the first in line 9"
     ):
-        found = read_push_csv(csv(tmp_path, f"{POSES},fraction\n" + "\n".join(rows) + "\n"))
-    assert len(found) == 18 and np.isnan(found[4]["fraction"])
+        path = csv(tmp_path, f"{POSES},fraction\n" + "\n".join(rows) + "\n")
+        table = load_pushes(path).table
+    assert len(table) == 18 and np.isnan(table["fraction"][table["line"] == 6.0]).all()
 
 
 def test_places_in_millimetres_under_our_names_are_not_taken_for_metres(tmp_path) -> None:

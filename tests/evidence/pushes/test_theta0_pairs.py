@@ -18,7 +18,7 @@ from cyclemap.evidence import (
     read_theta0_pairs,
     turn_bins,
 )
-from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, is_covered
+from cyclemap.evidence.laws.turn_bins import covered_arcs, is_covered
 
 HEADER = "rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n"
 STAIRCASE = (

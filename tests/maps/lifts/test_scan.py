@@ -31,7 +31,7 @@ def test_a_bracket_without_a_sign_change_gives_its_end_nearer_to_zero():
 @pytest.mark.parametrize("shift", [0.0, 1.0])
 def test_the_iterate_is_monotone_in_every_cell_and_the_cells_tile_the_turn(shift):
     folded = CircleMap.arnold(0.3, 3.0)
-    cells = monotone_cells(folded, 4, shift, 512)
+    cells = monotone_cells(folded, 4, shift)
     assert (cells.start[0], cells.end[-1]) == (0.0, TWO_PI)
     np.testing.assert_array_equal(cells.start[1:], cells.end[:-1])
     np.testing.assert_array_equal(cells.g_start[1:], cells.g_end[:-1])
@@ -46,11 +46,11 @@ def test_turning_points_of_the_iterate_are_counted_by_the_chain_rule():
     # one.
     folded = CircleMap.arnold(0.3, 3.0)
     folds = np.array([1.0, -1.0]) * np.arccos(1 / 3)
-    once = monotone_cells(folded, 1, 0.0, 512)
+    once = monotone_cells(folded, 1, 0.0)
     generation, total = np.mod(folds, TWO_PI), 0
     for n in (1, 2, 3, 4):
         total += generation.size
-        cells = monotone_cells(folded, n, 0.0, 512)
+        cells = monotone_cells(folded, n, 0.0)
         rising = cells.g_end > cells.g_start
         assert np.count_nonzero(rising != np.roll(rising, 1)) == total
         generation = preimages(folded, once, generation)
@@ -61,7 +61,7 @@ def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
     # The tripling map with a mark at 0: marks of the n-th iterate at k/3ⁿ⁻¹ turns, each once.
     tripling = CircleMap(lambda x: 3 * x, lambda x: 3 + 0 * x, [0.0], degree=3)
     for n in (1, 2, 4, 7):
-        cells, count = monotone_cells(tripling, n, 0.0, 512), 3 ** (n - 1)
+        cells, count = monotone_cells(tripling, n, 0.0), 3 ** (n - 1)
         np.testing.assert_allclose(
             cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12
         )

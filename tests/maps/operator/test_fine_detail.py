@@ -48,7 +48,7 @@ def test_waves_that_meet_the_nodes_do_not_deceive_the_bounds(waves, noise):
 
 
 def test_breaks_change_nothing_where_there_are_none():
-    """Panels between breaks and a uniform grid without them are two routes to one law."""
+    """Panels that are cut at breaks, and panels that are not, are two routes to one law."""
     plain, cut = (
         transfer_operator(rippled(256, breaks=b), WrappedNormal(0.3)) for b in ((), (1.0, 3.0))
     )

@@ -76,17 +76,17 @@ def test_expectations_have_two_routes():
 
 @pytest.mark.parametrize("noise", [WrappedNormal(0.3), WrappedNormal(2.0), VonMises(8.0)], ids=repr)
 def test_what_the_nodes_miss_of_a_sharp_function_is_in_the_bound(noise):
-    """A Lorentzian of 0.14 rad on nodes that are meant for smoother ones, against 20,000."""
+    """A Lorentzian of 0.11 rad on nodes that are meant for smoother ones, against 20,000."""
     law, fine = transfer_operator(STICKY, noise), TWO_PI * np.arange(20_000) / 20_000
     for place in (0.5, 2.0, 4.0):
 
         def sharp(x, place=place):
-            return 1.0 / (1.01 - np.cos(x - place))
+            return 1.0 / (1.006 - np.cos(x - place))
 
         found = law.expectation(sharp)
         exact = TWO_PI * np.mean(law.density(fine) * sharp(fine))
         assert abs(found - exact) <= found.error_bound + 1e-12
-        assert 1e-12 < found.error_bound < 1e-2
+        assert 1e-12 < found.error_bound < 0.1
 
 
 @pytest.mark.parametrize("angle", np.linspace(0.0, 3.0, 13))

@@ -1,0 +1,280 @@
+"""What a column of any table means, and in which unit it is: the one place that decides it.
+
+It is told (--columns, --units), or the column goes by a name of the MIT dataset, or by one that
+fits a pattern of `columns`; a unit is told by the column's name, by others like it, or guessed by
+its size, which is said. What two readings are possible of is asked for. In tables of ours names say
+all of that (`columns.our_names`).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.tables.columns import (
+    COLUMNS,
+    PLACES,
+    QUATERNION,
+    TIME_UNITS,
+    UNITS,
+    UNITS_OF,
+    Column,
+    Kind,
+)
+
+UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("metres", "meters"), "m"),
+    **dict.fromkeys(("millimetres", "millimeters"), "mm"),
+    "seconds": "s",
+    **dict.fromkeys(("in", "inches"), "inch"),
+    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
+}
+# Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
+# metres of a table.
+_NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
+# So many angles that fill so much of one and no more are turns as likely as radians.
+_TELLING, _MOST_OF_A_TURN = 8, 0.7
+# No cycle scatters by as many radians, and hardly one by as few degrees; orientations all around
+# reach over more than so many radians.
+_ROUGH, _MOST_OF_A_CIRCLE, _MANY_TURNS = 0.35, 5.6, 200.0
+# Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
+# on.
+_AN_EPOCH = 1e8
+
+
+# What may be told of a file beside its columns: the topic of a bag, the sheet of a workbook.
+OF_THE_FILE = ("pose", "sheet")
+# Words of a name that tell no column from another, where others stand beside them.
+_IDLE = (
+    r"field|pose|pos|position|transform|translation"
+    r"|object|objekt|obj|box|block|slider|tag|marker|body"
+)
+# What may be told of a table: the angle of pushes goes by no name of its own.
+_TO_BE_TOLD = (*(name for name, known in COLUMNS.items() if known.patterns), "angle", *OF_THE_FILE)
+# Names of the MIT dataset that say what nobody else's do: those with a unit, and, where all of them
+# are there, the letters of its file names.
+_MIT_UNITS = {"speed": "v_mm_s", "acceleration": "a_mm_s2", "tip_error": "tip_err_mm"}
+_MIT_LETTERS = {"side": "i", "fraction": "s", "angle": "t"}
+_MIT_NAMES = _MIT_UNITS | _MIT_LETTERS
+
+
+# Pixels are no length, but are told from a name.
+_PIXELS = "px"
+_UNIT = re.compile(
+    rf"[_\[(]({'|'.join(sorted([*UNITS, *UNIT_WORDS, _PIXELS], key=len, reverse=True))})[\])]*$"
+)
+
+
+def _bare(column: str) -> tuple[str, str]:
+    """A column's name without its unit and idle words, and the unit; both in small letters."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", column.strip().lstrip("%/"))
+    name = re.sub(r"[\s.\-/]+", "_", apart.lower())
+    # One bracket, not a run of them: the search takes no longer than the name is.
+    ending = _UNIT.search(name)
+    begin = name[: ending.start()].rstrip("_[(") if ending else ""
+    unit = ending.group(1) if ending and begin else ""
+    words = (begin if unit else name).strip("_").split("_")
+    busy = [word for word in words if not re.fullmatch(_IDLE, word)]
+    # A number of an object is none of a push.
+    is_number = len(busy) < len(words) and COLUMNS["repetition"].fits("_".join(busy))
+    return "_".join(busy if busy and not is_number else words), UNIT_WORDS.get(unit, unit)
+
+
+def unit_word(field: str) -> bool:
+    """Whether a field of a table names a unit, in brackets or not."""
+    unit = field.strip().strip("[]()").lower()
+    return unit in UNITS or unit in UNIT_WORDS
+
+
+def has_unit(field: str) -> bool:
+    """Whether a field of a row is a unit, or ends with one behind its number."""
+    return unit_word(re.sub(r"^[-+\d.,]+", "", field.strip().strip('"')))
+
+
+def _fits(known: Column, column: str) -> bool:
+    """Whether a column is one of ours by its name, and its unit one of what that holds."""
+    name, unit = _bare(column)
+    lengths = (Kind.PLACE, Kind.LENGTH)
+    wanted = not unit or unit in UNITS_OF.get(known.kind, ()) or known.kind is Kind.TEXT
+    return known.fits(name) and (wanted or (unit == _PIXELS and known.kind in lengths))
+
+
+def known_units(units: Sequence[str]) -> list[str]:
+    """Return units by their names here; InvalidInput for one that nobody knows."""
+    known = [UNIT_WORDS.get(unit, unit) for unit in units]
+    for unit in known:
+        if unit not in UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+    return known
+
+
+def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, str]:
+    """Return the column of a file for each name that is told, is the MIT dataset's alone, or is
+    recognised; InvalidInput where one is wanted, or two would do.
+    """
+    have = ", ".join(list(raw)[:20])[:400]
+    for name, column in told.items():
+        if name not in _TO_BE_TOLD:
+            raise InvalidInput(f"--columns {name}=...: know {', '.join(_TO_BE_TOLD)}")
+        if name not in OF_THE_FILE and column not in raw:
+            raise InvalidInput(f"no column {column} for {name}; it has {have}")
+    meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
+    for name, column in _mit_columns(raw).items():
+        if column not in meaning.values():
+            meaning.setdefault(name, column)
+    for name, known in COLUMNS.items():
+        if name in meaning:
+            continue
+        free = [column for column in raw if column not in meaning.values()]
+        hits = [column for column in free if _fits(known, column)]
+        # Of two clocks either will do.
+        if len(hits) > 1 and known.kind is not Kind.TIME:
+            both = f"{' and '.join(hits)} may both be {name}"
+            raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
+        if hits:
+            meaning[name] = hits[0]
+    _refuse_half_told(meaning, told, have)
+    return meaning
+
+
+def _mit_columns(raw: Collection[str]) -> dict[str, str]:
+    """The columns of a file whose names, with their units, are the MIT dataset's."""
+    by_name = {column.strip().lower(): column for column in raw}
+    names = _MIT_NAMES if {*_MIT_LETTERS.values()} <= {*by_name} else _MIT_UNITS
+    return {name: by_name[own] for name, own in names.items() if own in by_name}
+
+
+def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have: str) -> None:
+    """Refuse columns of which another reading is possible, or some are missing."""
+    asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
+    if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
+        after = meaning["theta1"]
+        told_by = f"Say --columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
+        raise InvalidInput(
+            f"is {after} the orientation after the push, or before the next one? {told_by}"
+        )
+    for end in ("", "0", "1"):
+        if 0 < len({f"{part}{end}" for part in QUATERNION} & set(meaning)) < len(QUATERNION):
+            raise InvalidInput(f"of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
+    if not {"theta0", "theta", "qw", "qw0"} & set(meaning):
+        # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
+        wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
+        mend = f"say which, --columns {wanted}=NAME"
+        raise InvalidInput(
+            f"no column of the object's orientation before each push: {mend}; it has {have}"
+        )
+
+
+def unit_of(
+    name: str, meaning: Mapping[str, str], raw: Mapping[str, Array], units: Sequence[str]
+) -> tuple[float, str]:
+    """Return the unit of a column, as its factor to SI units, and how that is said. All angles, and
+    all places, are guessed to be alike.
+    """
+    known, column = UNITS_OF.get(COLUMNS[name].kind, {}), meaning[name]
+    said = next((unit for unit in units if unit in known), None)
+    if said is not None:
+        return known[said], f" in {said}"
+    if _MIT_NAMES.get(name) == column.strip().lower():
+        return COLUMNS[name].names[_MIT_NAMES[name]], ", as the MIT dataset names it"
+    if not known:
+        return 1.0, ""
+    unit, how = _unit_by_name_or_size(name, meaning, raw)
+    return known[unit], f" in {unit}{how}"
+
+
+def _unit_by_name_or_size(
+    name: str, meaning: Mapping[str, str], raw: Mapping[str, Array]
+) -> tuple[str, str]:
+    """The unit of a column that nobody told, and how it is known."""
+    kind = COLUMNS[name].kind
+    alike = [name]
+    if kind in (Kind.ANGLE, Kind.PLACE):
+        alike = [other for other in meaning if COLUMNS[other].kind is kind]
+    named = {other: _bare(meaning[other])[1] for other in alike}
+    if named[name] in UNITS_OF[kind]:
+        return named[name], ", by its name"
+    if named[name] == _PIXELS:
+        mend = "multiply its pixels by the length of one, and name it x0_mm or the like"
+        raise InvalidInput(f"{meaning[name]}: {mend}")
+    of_others = {unit for unit in named.values() if unit in UNITS_OF[kind]}
+    if len(of_others) == 1:
+        return of_others.pop(), ", as its like"
+    unnamed = [meaning[other] for other in alike if named[other] not in UNITS_OF[kind]]
+    return _guessed_unit(kind, {column: raw[column] for column in unnamed})
+
+
+def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
+    """The unit of columns that are alike, by their size, and how that is said."""
+    reaches = [
+        float(np.abs(values[np.isfinite(values)]).max(initial=0.0)) for values in columns.values()
+    ]
+    least, most = min(reaches), max(reaches)
+    if kind is Kind.TIME and most > _AN_EPOCH:
+        # A count since 1970: its size tells the unit.
+        unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
+        return unit, " since 1970"
+    if kind is Kind.TIME:
+        unit = "s"
+    elif kind is Kind.SLANT:
+        unit = "rad" if most <= 0.5 * math.pi else "deg"
+    elif kind is Kind.ANGLE:
+        _refuse_likely_turns(most, *next(iter(columns.items())))
+        unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
+        if _may_be_either(unit, most, columns):
+            if len(columns) == 1:
+                reach = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
+                mend = "radians, or degrees? Say --units rad or --units deg"
+                raise InvalidInput(f"{reach}: {mend}")
+            # No two columns of degrees go on as smoothly.
+            unit = "rad"
+    else:
+        unit = "m" if most <= _NO_METRES else "mm"
+    reach = "they reach" if len(columns) > 1 else "it reaches"
+    return unit, f", guessed: {reach} {most:.4g}"
+
+
+def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool:
+    """Whether degrees may be radians that go on past a turn, or radians of orientations alone
+    scatter as degrees near 0 do.
+    """
+    known = [values[np.isfinite(values)] for values in columns.values()]
+    if min(map(len, known)) < _TELLING:
+        return False
+    if unit == "rad":
+        low, high = float(known[0].min()), float(known[0].max())
+        # Radians that are wrapped begin at 0 or at minus half a turn.
+        is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
+        around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE
+        return len(known) == 1 and not around and _scatter(known[0]) > _ROUGH
+    # Rows before and after pushes may take turns.
+    return most < _MANY_TURNS and any(
+        all(_goes_on_in_radians(values[::every]) for values in known) for every in (1, 2)
+    )
+
+
+def _goes_on_in_radians(values: Array) -> bool:
+    """Whether angles begin within a turn, and go on by less than half of one, smoothly."""
+    steps = float(np.quantile(np.abs(np.diff(values)), 0.95))
+    return abs(float(values[0])) <= 3.0 * math.pi and steps < math.pi and _scatter(values) < _ROUGH
+
+
+def _scatter(angles: Array) -> float:
+    """The usual deviation of an angle from the mean of its neighbours."""
+    return float(np.median(np.abs(np.diff(angles, n=2)))) / 0.6745 / 6**0.5
+
+
+def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
+    """Refuse angles of up to 1 that fill as much of one turn as of one radian."""
+    angles = values[np.isfinite(values)]
+    if most <= 1.0 and angles.size >= _TELLING and float(np.ptp(angles)) > _MOST_OF_A_TURN:
+        reach = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
+        raise DataFileError(
+            f"{reach}: are these turns, or radians? Say --units turn or --units rad"
+        )

@@ -1,0 +1,368 @@
+"""A stream of one object's poses cut into pushes and drags back: by what noise lets one see, and by
+what motions are.
+
+A drag ends with the ring at the target, wherever the object's centre comes to lie: of all rests
+those are before a push from which one place of the object is always at one place of the world. A
+rest between two of them is a push's end, and so the pause of a robot in the middle of a stroke is
+none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from cyclemap.arrays import Array, Mask, Whole, stretches
+from cyclemap.errors import DataFileError
+from cyclemap.evidence.tables.columns import ENDS
+
+if TYPE_CHECKING:
+    import pandas
+
+# Half windows, s, in which poses are averaged before and after a moment: the shortest that noise
+# allows is taken.
+_WINDOWS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+# How far means before and after a moment lie apart where a motion is seen, and where it ends: in
+# standard deviations of noise, and as shares of what the faster motions show.
+_SEEN, _ENDED, _SEEN_SHARE, _ENDED_SHARE = 4.0, 2.4, 0.3, 0.1
+# Noise that nobody has (m), turns as lengths (m per rad), and how much faster than noise motions
+# have to be.
+_LEAST_NOISE, _LEVER, _CLEAR = 2e-5, 0.03, 2.0
+# What moves less (m, with turns by the lever) between two rests has not moved.
+_LEAST_MOTION = 6e-3
+# Rests are averaged over so many seconds, and that share of their length, before and after their
+# middle.
+_AVERAGED, _MIDDLE = 1.0, 0.3
+# The ring's places agree within so many standard deviations of a rest, or that far (m).
+_AGREE, _AGREE_LEAST = 5.0, 2e-3
+# Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
+# out.
+_FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+# Of rings those explain nearly as many rests as the best that explain this share of them.
+_NEARLY = 0.85
+# Where more rests than this share have the ring at one place, none tells it; then those are home
+# that lie near the first, as a share of how far the others are.
+_ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
+# Pushes, or drags, whose motion is further from the median of its kind than this share of it are of
+# neither kind.
+_ALIKE = 0.35
+
+
+class UnclearStream(DataFileError):
+    """A stream of poses that does not come apart into pushes and drags: with what was seen, for a
+    picture.
+    """
+
+    def __init__(self, message: str, seen: Segments) -> None:
+        super().__init__(message)
+        self.seen = seen
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """A stream, and how it was cut.
+
+    Attributes
+    ----------
+    t, x, y, theta : ndarray, shape (n,)
+        s, m, rad (unwrapped).
+    rests : ndarray, shape (r, 2)
+        First and last sample of each rest.
+    pushes : ndarray, shape (k, 2)
+        The rests between which each push lies, whole pauses within it.
+    numbers : ndarray, shape (k,)
+        Of their cycles, gaps where something between is unclear.
+    unclear : ndarray, shape (u, 2)
+        The rests between which motions make no push and drag.
+    words : str
+        How it was cut, for people.
+    """
+
+    t: Array
+    x: Array
+    y: Array
+    theta: Array
+    rests: Whole
+    pushes: Whole
+    numbers: Array
+    unclear: Whole
+    words: str
+
+
+def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, Segments]:
+    """Return the poses before and after each push, by our names, and how the stream was cut.
+
+    stream : t, theta, x, y. Poses are means over the rests beside the motions.
+
+    Raises DataFileError for orientations alone; UnclearStream where too many motions are neither a
+    push nor a drag, or where there is no telling one from the other.
+    """
+    import pandas
+
+    if not {"x", "y"} <= {*stream}:
+        mend = "give its places, or a column episode (1, 2, ... during each push, empty else)"
+        raise DataFileError(f"{path}: which motions push cannot be told of an angle alone: {mend}")
+    t, x, y, theta = stream[["t", "x", "y", "theta"]].to_numpy().T
+    theta = np.unwrap(theta)
+    course = np.array([x, y, theta])
+    rests, noise = _rests(path, t, course)
+    if len(rests) < 2:
+        raise DataFileError(f"{path}: no push in it: its object never moves, or never rests")
+    poses = np.array([_mean_pose(t, course, *rest) for rest in rests.tolist()])
+    counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
+    cycles = _cycles(poses, noise / np.sqrt(counts))
+    seen = Segments(t, x, y, theta, rests, *cycles)
+    pushes, unclear = len(seen.pushes), len(seen.unclear)
+    if pushes < 2 or unclear > _MOST_UNCLEAR * (pushes + unclear):
+        raise UnclearStream(f"{path}: {_unclear_words(seen)}", seen)
+    ends = np.hstack([poses[seen.pushes[:, 0]], poses[seen.pushes[:, 1]]])
+    rows = pandas.DataFrame(ends, columns=[*ENDS])
+    return rows.assign(repetition=seen.numbers.astype(float)), seen
+
+
+def _unclear_words(seen: Segments) -> str:
+    """What was seen of a stream that does not come apart, and what mends it."""
+    begins, ends = seen.t[seen.rests[:, 0]], seen.t[seen.rests[:, 1]]
+    listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in seen.unclear[:3])
+    counts = (
+        f"{len(seen.rests) - 1} motions between rests, {len(seen.pushes)} of them pushes and "
+        f"{len(seen.unclear)} stretches unclear"
+    )
+    mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
+    return f"{counts}{f' ({listed})' if listed else ''}: {mend}"
+
+
+def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
+    """The mean pose of a rest in its middle: at its ends motion may hide in the noise."""
+    own = t[first : last + 1]
+    reach = min(_AVERAGED, _MIDDLE * (own[-1] - own[0]))
+    near = np.abs(own - 0.5 * (own[0] + own[-1])) <= reach
+    near = near if near.any() else np.ones(near.size, dtype=bool)
+    return np.asarray(course[:, first : last + 1][:, near].mean(axis=1))
+
+
+# -- rests
+
+
+def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
+    """First and last sample of each rest, and the noise of a pose (m, turns by the lever)."""
+    lengths = course * [[1.0], [1.0], [_LEVER]]
+    # Second differences see no steady motion; their median absolute deviation sees no jump.
+    noise = max(_LEAST_NOISE, _noise(lengths))
+    rate = 1.0 / max(float(np.median(np.diff(t))), 1e-6)
+    for window in _WINDOWS:
+        half = max(1, round(window * rate))
+        change = _change(lengths, half)
+        moves = float(np.quantile(change, 0.8))
+        seen = _SEEN * noise * math.sqrt(2.0 / half)
+        if moves > _CLEAR * seen:
+            break
+    else:
+        hidden = f"its noise of {1e3 * noise:.2g} mm hides its motions"
+        raise DataFileError(
+            f"{path}: {hidden}: give poses before and after each push, or smoother ones"
+        )
+    low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
+    moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
+    return _joined(stretches(~moving), t, course), noise
+
+
+def _noise(courses: Array) -> float:
+    """The standard deviation of one sample's errors, from second differences."""
+    usual = [0.0]
+    for second in np.abs(np.diff(courses, n=2, axis=1)):
+        changed = second[second > 0.0]
+        if 2 * changed.size > second.size:
+            usual.append(float(np.median(changed)))
+    return max(usual) / 0.6745 / 6**0.5
+
+
+def _change(courses: Array, half: int) -> Array:
+    """How far the mean after each sample lies from the mean before it, (n,), m."""
+    means = uniform_filter1d(courses, half, axis=1, mode="nearest")
+    # A filter of this length is centred: its mean before a sample ends there.
+    ahead = np.roll(means, -(half - half // 2), axis=1)
+    ahead[:, -half:] = means[:, -1:]
+    behind = np.roll(means, half // 2 + 1, axis=1)
+    behind[:, : half + 1] = means[:, :1]
+    return np.asarray(np.sqrt(((ahead - behind) ** 2).sum(axis=0)))
+
+
+def _hysteresis(change: Array, high: float, low: float) -> Mask:
+    """Where a stretch above `low` is above `high` somewhere."""
+    moving = np.zeros(change.size, dtype=bool)
+    for first, end in stretches(change > low):
+        moving[first:end] = bool((change[first:end] > high).any())
+    return moving
+
+
+def _joined(rests: Sequence[tuple[int, int]], t: Array, course: Array) -> Whole:
+    """First and last sample of the rests, those between which nothing moved made one."""
+    kept: list[tuple[int, int]] = []
+    for first, end in rests:
+        begin = first
+        if kept:
+            moved = _mean_pose(t, course, first, end - 1) - _mean_pose(t, course, *kept[-1])
+            if math.hypot(moved[0], moved[1], _LEVER * moved[2]) < _LEAST_MOTION:
+                begin, _ = kept.pop()
+        kept.append((begin, end - 1))
+    return _pairs(kept)
+
+
+def _pairs(rows: Sequence[Sequence[int]]) -> Whole:
+    """Pairs (n, 2) of whole numbers, n may be 0."""
+    return np.array(rows, dtype=np.int64).reshape(-1, 2)
+
+
+# -- cycles
+
+
+def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
+    """Pushes as pairs of rests, their numbers, unclear stretches likewise, and what was seen, in
+    words.
+    """
+    home, sense = _home(poses, errors)
+    if home is None:
+        return _in_turn(poses)
+    where = [*np.flatnonzero(home).tolist(), *([] if home[-1] else [len(poses) - 1])]
+    spans = list(pairwise(where))
+    closed = [(first, last) for first, last in spans if last == first + 2 and home[last]]
+    if not closed:
+        return _pairs([]), np.zeros(0), _pairs(spans), "no push is clear"
+    clean = np.array([_motion(poses, first, first + 1, sense) for first, _ in closed])
+    backs = np.array([_motion(poses, first + 1, last, sense) for first, last in closed])
+    usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
+    limit, limit_back = _spread(clean), _spread(backs)
+    pushes, numbers, paused = [], [], 0
+    # What comes before the first push is a push's end at most.
+    unclear = [(0, where[0])] if where[0] > 1 else []
+    # What is unclear is a number left out, so that nothing is taken to follow across it.
+    for number, (first, last) in enumerate(spans):
+        is_open = not home[last]
+        ends = range(first + 1, last + is_open)
+        away = {end: _apart(_motion(poses, first, end, sense), usual) for end in ends}
+        end = min(away, key=lambda rest: away[rest], default=first)
+        # Two cycles with an unseen rest between them begin with a push, too.
+        closes = is_open or _apart(_motion(poses, end, last, sense), back) <= limit_back
+        if away and away[end] <= limit and closes:
+            pushes.append((first, end))
+            numbers.append(number)
+            paused += last - first > 2
+        elif not is_open:
+            unclear.append((first, last))
+    words = (
+        f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the "
+        "ring is at the target"
+    )
+    words += f", {paused} of them or of their drags with a pause" if paused else ""
+    words += f"; left out, as neither push nor drag: {len(unclear)} stretches" if unclear else ""
+    return _pairs(pushes), np.array(numbers), _pairs(unclear), words
+
+
+def _apart(motion: Array, other: Array) -> float:
+    return float(np.linalg.norm(motion - other))
+
+
+def _spread(motions: Array) -> float:
+    """How far from their median motions of one kind may lie: a share of its size, or where most of
+    them do.
+    """
+    middle = np.median(motions, axis=0)
+    off = np.linalg.norm(motions - middle, axis=1)
+    return max(_ALIKE * float(np.linalg.norm(middle)), 2.0 * float(np.quantile(off, 0.8)))
+
+
+def _motion(poses: Array, first: int, last: int, sense: float = 1.0) -> Array:
+    """A motion between two rests in the object's frame at its begin: dx, dy (m), turn by the lever
+    (m).
+
+    sense : -1 where angles grow from y to x of the places.
+    """
+    dx, dy, turn = poses[last] - poses[first]
+    c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])
+    return np.array([c * dx + s * dy, c * dy - s * dx, _LEVER * turn])
+
+
+def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
+    """Which rests have the ring at the target, and the sense of angles in which they have.
+
+    None where no place of the object is again and again at one place of the world.
+
+    The ring h and the target c solve p + R(theta) h = c; two rests tell them, and those that most
+    agree with are taken. Ends of pushes that are all alike agree with a ring of their own, but one
+    farther from the object's centre.
+    """
+    if len(poses) < 5:
+        return None, 1.0
+    generator, limit = np.random.default_rng(0), np.maximum(_AGREE * errors, _AGREE_LEAST)
+    rings = [
+        (int(agree.sum()), round(radius, 3), agree, sense)
+        for sense in (1.0, -1.0)
+        for agree, radius in _rings(poses, limit, sense, generator)
+    ]
+    if not rings:
+        return None, 1.0
+    most = max(count for count, *_ in rings)
+    # Of those that explain nearly as many the ring nearest to the centre.
+    near = [entry for entry in rings if entry[0] >= _NEARLY * most]
+    home, sense = min(near, key=lambda entry: (entry[1], -entry[0]))[2:]
+    if home.mean() > _ALL_HOME:
+        # Locked in: from two poses again and again no ring can be told, and the first one is taken
+        # as a push's begin.
+        return _like_the_first(poses), sense
+    return home, sense
+
+
+def _rings(
+    poses: Array, limit: Array, sense: float, generator: np.random.Generator
+) -> Iterator[tuple[Mask, float]]:
+    """Which rests agree with a ring that two of them tell, and how far it is from the centre, m."""
+    place, way = poses[:, 0] + 1j * poses[:, 1], np.exp(1j * sense * poses[:, 2])
+    rows = np.stack([way, np.full(len(poses), -1.0)], axis=-1)
+    for _ in range(400):
+        chosen = generator.choice(len(poses), 2, replace=False)
+        solved, *_ = np.linalg.lstsq(rows[chosen], -place[chosen], rcond=None)
+        agree = np.abs(rows @ solved + place) < limit
+        if agree.sum() >= max(3, _FEWEST_HOME * len(poses)):
+            solved, *_ = np.linalg.lstsq(rows[agree], -place[agree], rcond=None)
+            yield np.abs(rows @ solved + place) < limit, float(abs(solved[0]))
+
+
+def _like_the_first(poses: Array) -> Mask:
+    """Which poses lie near to the first, beside how far the others are."""
+    places = np.column_stack(
+        [poses[:, :2], _LEVER * np.cos(poses[:, 2]), _LEVER * np.sin(poses[:, 2])]
+    )
+    away = np.linalg.norm(places - places[0], axis=1)
+    centre = np.median(places[away < 0.5 * np.median(away[away > 0.5 * away.max()])], axis=0)
+    off = np.linalg.norm(places - centre, axis=1)
+    return np.asarray(off < _NEAR_THE_FIRST * np.median(off[off > 0.5 * off.max()]))
+
+
+def _in_turn(poses: Array) -> tuple[Whole, Array, Whole, str]:
+    """Every other motion a push, where the two kinds separate; else none."""
+    motions = np.array([_motion(poses, rest, rest + 1) for rest in range(len(poses) - 1)])
+    if len(motions) < 2:
+        return _pairs([]), np.zeros(0), _pairs([]), "one motion"
+    kinds = motions[::2], motions[1::2]
+    medians = [np.median(kind, axis=0) for kind in kinds]
+    off = [
+        float(np.linalg.norm(kind - middle, axis=1).max())
+        for kind, middle in zip(kinds, medians, strict=True)
+    ]
+    if max(off) > 0.5 * _apart(*medians):
+        whole = _pairs([(0, len(poses) - 1)])
+        return _pairs([]), np.zeros(0), whole, "motions do not come in two kinds"
+    first = np.arange(0, len(motions), 2)
+    words = (
+        f"{len(motions)} motions between rests, of two kinds in turn: the first and every "
+        "other one a push"
+    )
+    return np.stack([first, first + 1], axis=-1), np.arange(float(first.size)), _pairs([]), words

@@ -1,0 +1,184 @@
+"""Streams of poses: pushes are found by where the ring is at rest, whatever noise, pauses and lost
+rows there are.
+"""
+
+import math
+from itertools import pairwise
+
+import foreign_tables
+import numpy as np
+import pytest
+from foreign_tables import CONVENTIONS, agrees, truth
+
+import cyclemap as cm
+from cyclemap.errors import DataFileError
+from cyclemap.evidence.tables.own_tables import read_own_table
+from cyclemap.evidence.tables.pose_streams import UnclearStream, cut_stream
+
+pandas = pytest.importorskip("pandas")
+
+
+def made(tmp_path, noise_mm, convention="ours", seed=3):
+    """A stream of 72 cycles with pauses of 2.5 s in two pushes and three rows in a hundred lost,
+    and what it holds.
+    """
+    table = foreign_tables.Foreign(
+        "made", foreign_tables.stream, ".csv", convention, noise_mm, True, seed
+    )
+    return table, table.made(tmp_path, with_collection=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise_mm", [0.0, 0.3, 1.0])
+def test_pushes_are_told_from_drags_through_noise_pauses_and_lost_rows(tmp_path, noise_mm) -> None:
+    """Every push that is given is one that happened, and follows the one before it where it says
+    so.
+    """
+    table, path = made(tmp_path, noise_mm)
+    found = read_own_table(path)
+    assert agrees(found.columns, table)
+    assert len(found.columns["x0"]) == 72
+    follows = np.isfinite(found.columns["theta_next"])
+    turn = found.columns["theta_next"] - found.columns["theta0"]
+    true = foreign_tables.loop().next_theta(found.columns["theta0"]) - found.columns["theta0"]
+    off = np.degrees(np.abs((turn - true + math.pi) % (2.0 * math.pi) - math.pi))[follows]
+    # The noise of a cycle is 1.1 degrees, that of a rest's mean pose a fifth of the camera's.
+    assert off.max() < 4.0 + 4.0 * noise_mm and follows.sum() > 50
+    assert found.segments is not None and "2 of them" in found.segments.words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("convention", [name for name in CONVENTIONS if name != "ours"])
+def test_a_stream_is_cut_alike_in_every_convention(tmp_path, convention) -> None:
+    """Which rests have the ring at the target is the same in a mirror."""
+    (tmp_path / "ours").mkdir()
+    straight = read_own_table(made(tmp_path / "ours", 0.0)[1])
+    other = read_own_table(made(tmp_path, 0.0, convention)[1])
+    assert np.array_equal(straight.segments.pushes, other.segments.pushes)
+
+
+def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_path) -> None:
+    """An object carried about at random."""
+    rng, rows, now = np.random.default_rng(0), [], np.zeros(3)
+    for _ in range(30):
+        later = np.concatenate([0.2 * rng.uniform(-1, 1, 2), rng.uniform(-3, 3, 1)])
+        rows += [now] * 40 + [now + share * (later - now) for share in np.linspace(0.0, 1.0, 60)]
+        now = later
+    table = np.array(rows)
+    stream = {
+        "t": np.arange(len(table)) / 30.0,
+        "x": table[:, 0],
+        "y": table[:, 1],
+        "theta": table[:, 2],
+    }
+    with pytest.raises(UnclearStream, match="give a column episode") as caught:
+        cut_stream(tmp_path / "walk.csv", pandas.DataFrame(stream))
+    from cyclemap.views.push_pages import stream_page
+
+    assert len(caught.value.seen.rests) > 25 and stream_page(caught.value.seen).axes
+
+
+def recorded(marks, creep=0.0):
+    """A stream at 30 Hz that goes from mark to mark (m, m, rad) in 2 s and rests on each; on the
+    fourth it creeps by so much (m), a fifth as fast as motions are.
+    """
+    rows, crept = [], np.array([creep, 0.0, 0.0])
+    marks = [*marks[:4], *(mark + crept for mark in marks[4:])]
+    for number, (a, b) in enumerate(pairwise(marks)):
+        if number == 3:
+            rows += [a] * 20 + [a + share * crept for share in np.linspace(0.0, 1.0, 40)]
+            a = a + crept
+        rows += [a] * 40 + [a + share * (b - a) for share in np.linspace(0.0, 1.0, 60)]
+    table = np.array([*rows, *[marks[-1]] * 40])
+    columns = {"x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    return pandas.DataFrame({"t": np.arange(len(table)) / 30.0, **columns})
+
+
+@pytest.mark.parametrize("creep", [0.0, 0.010])
+def test_two_kinds_in_turn_are_told_where_no_ring_is(tmp_path, creep) -> None:
+    """Pushes that are alike, and a gripper that brings the object anywhere between them: two kinds
+    in turn. An object that creeps while it should rest makes no third.
+    """
+    now = np.array([0.0, 0.0, 0.2])
+    marks = [now]
+    for number in range(10):
+        c, s = math.cos(now[2]), math.sin(now[2])
+        pushed = now + np.array([0.05 * c, 0.05 * s, 1.0])
+        now = np.array(
+            [
+                0.03 * math.sin(7.0 * number),
+                0.02 * number,
+                pushed[2] - 1.4 + 0.1 * math.cos(5.0 * number),
+            ]
+        )
+        marks += [pushed, now]
+    columns, seen = cut_stream(tmp_path / "gripper.csv", recorded(marks, creep))
+    turned = columns["theta1"].to_numpy() - columns["theta0"].to_numpy()
+    assert (
+        turned == pytest.approx(1.0, abs=0.02) and len(turned) == 10 and "two kinds" in seen.words
+    )
+
+
+def test_of_two_poses_again_and_again_the_first_is_a_pushs_begin(tmp_path) -> None:
+    """A loop without noise at its stable direction: any place of the object's that goes there and
+    back could be its ring.
+    """
+    loop = cm.CollectionLoop.mit("plywood", accuracy=1e-6)
+    (theta,) = (orbit.points[0] for orbit in cm.fixed_points(loop.circle_map(1e-4)) if orbit.stable)
+    poses = loop.start_pose(theta), loop.cycle(theta).push.end
+    begin, end = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
+    columns, seen = cut_stream(tmp_path / "locked.csv", recorded([begin, end] * 12))
+    assert seen.pushes.tolist() == [[rest, rest + 1] for rest in range(0, 24, 2)]
+    assert columns["theta0"].to_numpy() == pytest.approx(begin[2], abs=1e-3)
+    assert columns["theta1"].to_numpy() == pytest.approx(end[2], abs=1e-3)
+
+
+def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
+    table = truth(0).start[:1] + np.random.default_rng(0).normal(0.0, 0.05, (3000, 3))
+    stream = {"t": np.arange(3000) / 30.0, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    with pytest.raises(DataFileError, match=r"hides its motions|no push in it"):
+        cut_stream(tmp_path / "noise.csv", pandas.DataFrame(stream))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("noise_mm", "pauses"), [(0.0, ()), (0.3, (1, 11, 12)), (1.0, (5,))])
+def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(
+    tmp_path, noise_mm, pauses
+) -> None:
+    """Two poses again and again: a pause within a push does not make drags of all
+    that follow it."""
+    loop, rng = cm.CollectionLoop.mit("plywood", accuracy=1e-6), np.random.default_rng(7)
+    theta, frames, starts, rate = 1.0, [], [], 30.0
+    for number in range(30):
+        cycle = loop.cycle(theta)
+        later = cycle.theta_next + math.radians(1.1) * rng.standard_normal()
+        poses = [loop.start_pose(theta), cycle.push.end, loop.start_pose(later)]
+        a, b, c = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
+        share = np.linspace(0.0, 1.0, int(7.5 * rate))
+        if number in pauses:
+            share = np.concatenate(
+                [share[share < 0.4], np.full(int(2.5 * rate), 0.4), share[share >= 0.4]]
+            )
+        back = np.linspace(0.0, 1.0, int(5.0 * rate))
+        still = int(rate * rng.uniform(0.8, 1.6))
+        frames += [
+            np.repeat(a[None], still, axis=0),
+            a + share[:, None] * (b - a),
+            np.repeat(b[None], still, axis=0),
+        ]
+        frames.append(b + back[:, None] * (c - b))
+        starts.append(theta)
+        theta = later
+    table = np.concatenate([*frames, np.repeat(c[None], 40, axis=0)])
+    table = table + noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)]) * rng.standard_normal(
+        table.shape
+    )
+    stream = {
+        "t": np.arange(len(table)) / rate,
+        "x": table[:, 0],
+        "y": table[:, 1],
+        "theta": table[:, 2],
+    }
+    columns, _ = cut_stream(tmp_path / "locked.csv", pandas.DataFrame(stream))
+    assert columns["theta0"].to_numpy() == pytest.approx(starts, abs=0.01 + 0.03 * noise_mm)
+    assert np.degrees(columns["theta1"].to_numpy() - columns["theta0"].to_numpy()).min() > 60.0
