@@ -28,7 +28,7 @@ _ITERATIONS = 12
 _STEP = 1e-5  # of the range: for second-order differences in p
 _LONGEST = 1.0  # scaled length of a Newton step that counts as lost
 _CLOSE = 1e-13
-_ROUNDING = 2e-14  # radians: a residual that no step makes smaller
+_ROUND_OFF = 2e-14  # radians: a residual that no step makes smaller
 _SLACK = 1e-9  # of a range: solutions so little outside are at its end
 _BEND = 1e-4  # radians: step of the differences of F'
 _BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
@@ -250,7 +250,7 @@ class OrbitEquations:
                 return self.state(at, tangents)
             last = size
         # Near a tip the equations hold to rounding all around.
-        return state if np.max(np.abs(state.residual)) < _ROUNDING else None
+        return state if np.max(np.abs(state.residual)) < _ROUND_OFF else None
 
     def jumps(self, state: OrbitState) -> bool:
         """Whether the map jumps at the break on which the point of a border collision is."""
