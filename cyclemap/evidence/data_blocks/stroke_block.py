@@ -77,8 +77,8 @@ _PACE_PARAMETERS = tuple(
 )
 # Turns on a surface that wears are computed at these shares of the wear, and a polynomial between.
 _WEAR_NODES = (0.0, 0.15, 0.5, 0.85, 1.0)
-# Sectors of θ0, and how many cycles in one of them tell its noise.
-_SECTOR_DEG, _FEWEST_PASSES = 20, 10
+# Sectors of θ0, how many cycles tell the noise of some of them, and from how many on it is asked.
+_SECTOR_DEG, _FEWEST_PASSES, _MANY_CYCLES = 20, 25, 200
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 47
 CYCLE_ACCURACY = 1e-6
@@ -437,16 +437,23 @@ class _WearingTurns(_CycleTurns):
 
 def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
     """Return the kind of error of each cycle (n,): where θ0 hardly moves, turns scatter by a tenth
-    of what they do elsewhere, so that a sector that was passed often has a noise of its own.
+    of what they do elsewhere, so that of many cycles those of neighbouring sectors have a noise of
+    their own.
     """
+    if theta.size < _MANY_CYCLES:
+        return np.repeat("cycle turn (rad)", theta.size)
     sectors = (np.degrees(theta) % 360.0 // _SECTOR_DEG).astype(int)
-    passes = np.bincount(sectors)[sectors]
-    kinds = []
-    for sector, count in zip(sectors.tolist(), passes.tolist(), strict=True):
-        first = sector * _SECTOR_DEG
-        place = f" at {first} to {first + _SECTOR_DEG} deg" if count >= _FEWEST_PASSES else ""
-        kinds.append(f"cycle turn{place} (rad)")
-    return np.array(kinds)
+    count = 360 // _SECTOR_DEG
+    kinds = np.empty(theta.size, dtype="<U40")
+    first = 0
+    for last in range(1, count + 1):
+        inside = (sectors >= first) & (sectors < last)
+        behind = int(np.sum(sectors >= last))
+        if np.sum(inside) >= _FEWEST_PASSES and (behind >= _FEWEST_PASSES or last == count):
+            place = f"{first * _SECTOR_DEG} to {last * _SECTOR_DEG} deg"
+            kinds[inside] = f"cycle turn at {place} (rad)"
+            first = last
+    return kinds
 
 
 def _blending(share: Array) -> Rows:

@@ -212,6 +212,18 @@ def test_a_surface_wears_where_its_pace_is_fast_and_all_of_it_by_the_end() -> No
     assert by_pace.sum(axis=1) == pytest.approx(0.0, abs=1e-12)
 
 
+def test_of_many_cycles_neighbouring_sectors_have_a_noise_of_their_own_and_none_has_few() -> None:
+    """Three of four rest at 90 degrees; 30 passes are spread over the circle, 5 lie behind 340."""
+    resting = np.full(265, np.radians(90.0))
+    passing = np.radians(np.linspace(0.0, 339.0, 30))
+    theta = np.concatenate([resting, passing, np.full(5, np.radians(350.0))])
+    kinds = cycle_pair_block(MIT, theta, 0.0 * theta, np.arange(theta.size)).kinds
+    names, counts = np.unique(kinds, return_counts=True)
+    assert counts.min() >= 25 and counts.sum() == theta.size and len(names) == 2
+    few = cycle_pair_block(MIT, theta[:150], 0.0 * theta[:150], np.arange(150)).kinds
+    assert np.unique(few).tolist() == ["cycle turn (rad)"]
+
+
 def test_a_shape_is_a_pressure_so_that_a_heavier_plate_has_less_of_it_in_its_own() -> None:
     heavy = replace(RECT1, mass=2.0 * RECT1.mass)
     light, other = (TRUTH.footprint(slider) for slider in (RECT1, heavy))
