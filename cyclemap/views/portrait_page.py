@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from cyclemap.collection.portrait import Portrait, StaircaseForecast
 from cyclemap.collection.portrait_curves import PortraitCurves
-from cyclemap.evidence import MeasuredStaircase
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps
 from cyclemap.views import sentences
 from cyclemap.views.panels import orientation
@@ -31,7 +30,7 @@ from cyclemap.views.sentences import (
 )
 
 if TYPE_CHECKING:
-    from cyclemap.evidence import MeasuredOverlay
+    from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
 
 
 @picture_style()
