@@ -329,11 +329,11 @@ def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
 def _worn_floor(found: Identification) -> SurfaceShape:
     """Return the floor's mean shape, changed as the session of the cycles was changed by wear."""
     worn = owned_shapes(found.values, WORN_FLOOR)[""]
-    cycles = next(block for block in found.problem.blocks if PACE_NAMES[0] in block.parameters)
-    for session, fresh in found.floors.items():
-        if f"floor_dome[{session}]" in cycles.parameters:
-            bend = found.floors[""].bend + worn.bend - fresh.bend
-            return SurfaceShape.of_bend(*bend.tolist())
+    for block in found.problem.blocks:
+        for session, fresh in found.floors.items():
+            if {PACE_NAMES[0], f"floor_dome[{session}]"} <= {*block.parameters}:
+                bend = found.floors[""].bend + worn.bend - fresh.bend
+                return SurfaceShape.of_bend(*bend.tolist())
     return worn
 
 

@@ -348,9 +348,10 @@ def _ellipse(
     law = loop.material.friction
     mean = math.sqrt(law.mu_a * law.mu_b)
 
-    def residuals(values: Array) -> Array:
+    # SciPy takes steps relative to the unknowns: those of one and more do not vanish with them.
+    def residuals(shifted: Array) -> Array:
         try:
-            friction = Anisotropy.of_components(values).friction(mean)
+            friction = Anisotropy.of_components(shifted - 1.0).friction(mean)
             made = replace(coarse, material=Material("probed", friction)).cycles(angles)
         except CycleMapError:
             return np.full(moved.size, 1e3)
@@ -359,7 +360,7 @@ def _ellipse(
         return np.asarray((away - away.mean(axis=0)).ravel())
 
     fit = optimize.least_squares(
-        residuals, np.zeros(4), diff_step=1e-4, x_scale=0.02, method="lm", ftol=1e-6
+        residuals, np.ones(4), diff_step=1e-4, x_scale=0.02, method="lm", ftol=1e-6
     )
     if not fit.success:
         raise ConvergenceError(f"no friction ellipse could be fitted: {fit.message}")
@@ -370,7 +371,7 @@ def _ellipse(
     covariance = scatter * np.linalg.inv(fit.jac.T @ fit.jac)
     total = (moved - moved.mean(axis=0)) / noise
     return (
-        fit.x,
+        fit.x - 1.0,
         covariance,
         max(1.0 - float(fit.fun @ fit.fun) / max(float((total**2).sum()), 1e-300), 0.0),
     )

@@ -194,8 +194,8 @@ def check_collection(path: str | Path) -> CheckedCollection:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     count = Path(folder, "mine.toml").write_text("[push]\\npush_mm = 1500\\n")
     ...     checked = check_collection(f"{folder}/mine.toml")
-    >>> checked.findings[0].words.split(":")[0]
-    'the rod slides past the edge after 154 of 1500 mm (from θ0 = 270°)'
+    >>> checked.findings[0].words.split(" (")[0]
+    'the rod slides past the edge after 154 of 1500 mm'
     """
     (settings, _) = without_noise(read_settings(path))
     has_surface = names_surface(path)
