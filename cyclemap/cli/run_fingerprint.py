@@ -4,8 +4,6 @@ as a picture.
 
 import math
 
-from rich.table import Table
-
 from cyclemap.cli.json_report import orbit_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
@@ -50,7 +48,14 @@ def run_fingerprint(
     is_named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
     if check and not predicts:
-        raise InvalidInput(_why_unchecked(bow))
+        if bow:
+            raise InvalidInput(
+                f"--check compares a prediction for a floor without a bow, but this one has "
+                f"{bow:.3g} mean pressures: set floor_bow=0, or ask for the portrait"
+            )
+        raise InvalidInput(
+            "--check compares a prediction with the full map: name a MATERIAL or set its friction"
+        )
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
         numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
@@ -62,7 +67,13 @@ def run_fingerprint(
             )
     known = direction_uncertainty(loop) if predicts else None
     as_json = fingerprint_report(numbers, prediction, checked, name, known)
-    lines: list[Told] = [_numbers_table(numbers), fingerprint_page.protocol_sentence(numbers)]
+    rows = []
+    for stroke in ("push", "drag", "cycle"):
+        rows.append((stroke, *fingerprint_page.seven_numbers(getattr(numbers, stroke))))
+    lines: list[Told] = [
+        people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)),
+        fingerprint_page.protocol_sentence(numbers),
+    ]
     if prediction is not None:
         lines += _prediction_lines(prediction, name)
     if margin:
@@ -80,23 +91,6 @@ def run_fingerprint(
         results,
         *lines,
     )
-
-
-def _why_unchecked(bow: float) -> str:
-    if bow:
-        return (
-            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
-            "mean pressures: set floor_bow=0, or ask for the portrait"
-        )
-    return "--check compares a prediction with the full map: name a MATERIAL or set its friction"
-
-
-def _numbers_table(found: Fingerprint) -> Table:
-    numbers = (
-        (stroke, *fingerprint_page.seven_numbers(getattr(found, stroke)))
-        for stroke in ("push", "drag", "cycle")
-    )
-    return people_table("Fingerprint of the protocol", COLUMNS, numbers, words=(0,))
 
 
 def _prediction_lines(prediction: Prediction, name: str) -> list[Told]:

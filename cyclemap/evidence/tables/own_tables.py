@@ -235,7 +235,11 @@ def _heading(quaternions: Array) -> tuple[Array, bool]:
     turns = np.full((len(quaternions), 3, 3), math.nan)
     if known.any():
         turns[known] = Rotation.from_quat(quaternions[known]).as_matrix()
-    z_up, y_up = (not known.any() or _is_upright(turns[known, k, k]) for k in (2, 1))
+    cosines = np.abs(turns[known][:, (1, 2), (1, 2)])
+    if known.any():
+        y_up, z_up = np.quantile(cosines, 0.1, axis=0) > _UPRIGHT
+    else:
+        y_up, z_up = True, True
     if z_up:
         return np.arctan2(turns[:, 1, 0], turns[:, 0, 0]), False
     if y_up:
@@ -244,7 +248,3 @@ def _heading(quaternions: Array) -> tuple[Array, bool]:
         "its quaternions turn about neither z nor y: bring its poses into the frame of the table, "
         "z up"
     )
-
-
-def _is_upright(cosines: Array) -> bool:
-    return float(np.quantile(np.abs(cosines), 0.1)) > _UPRIGHT

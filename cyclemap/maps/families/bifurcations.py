@@ -15,7 +15,6 @@ from cyclemap.maps.families.continuation import (
     same_orbit,
 )
 from cyclemap.maps.families.family import Family, Range, family_member, parameter_range
-from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.periodic_points import periodic_orbits
 
 # radians: at a fold two findings of one orbit may differ by the root of rounding
@@ -139,11 +138,17 @@ def saddle_nodes(
 
 def _proved_fold(family: Family, fold: Bifurcation, within: Range) -> Bifurcation:
     centre = float(fold.parameter)
+    counts = [0, 0]
     half = max(fold.parameter.error_bound, EPS * (within[1] - within[0]))
     while half <= _WIDEST * (within[1] - within[0]):
         ends = [float(np.clip(centre + side * half, *within)) for side in (-1.0, 1.0)]
         try:
-            counts = [_proved_count(family_member(family, end), fold) for end in ends]
+            for side, end in enumerate(ends):
+                member = family_member(family, end)
+                # Of other degrees the winding depends on which point comes first.
+                winding = fold.winding if member.degree == 1 else None
+                orbits = periodic_orbits(member, fold.period, winding, proved=True)
+                counts[side] = len(orbits)
         except ConvergenceError:  # still a tangency to what intervals can tell
             counts = [0, 0]
         if counts[0] != counts[1]:
@@ -154,12 +159,6 @@ def _proved_fold(family: Family, fold: Bifurcation, within: Range) -> Bifurcatio
         f"no proof: on both sides of the saddle-node at {centre:.12g} there are as many orbits of "
         f"period {fold.period}, or they cannot be told apart"
     )
-
-
-def _proved_count(member: CircleMap, fold: Bifurcation) -> int:
-    # Of other degrees the winding depends on which point comes first.
-    winding = fold.winding if member.degree == 1 else None
-    return len(periodic_orbits(member, fold.period, winding, proved=True))
 
 
 def period_doublings(
