@@ -7,7 +7,7 @@ Progress = Callable[[float], None]
 
 
 def part_of(progress: Progress | None, index: float, count: float) -> Progress:
-    """Return the function to which part `number` of `count` (from 0) reports the fraction of it
+    """Return the function to which part `index` of `count` (from 0) reports the fraction of it
     that is done; to None nothing is reported.
 
     >>> part_of(print, 1, 4)(0.5)

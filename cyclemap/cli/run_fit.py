@@ -34,6 +34,7 @@ from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram, fit
 from cyclemap.evidence.laws.turn_bins import AngleHistogram, covered_arcs
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.plain_text import plain_number
+from cyclemap.progress import part_of
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
 from cyclemap.written import DEGREES, Json, Unit, degrees, json_of, rows, written
@@ -85,11 +86,8 @@ def run_fit(
     fits = list[SetFit]()
     pictures = list[Path]()
     with progress_bar("fitting") as report:
-        for pushed_alike in sets:
-
-            def share(fraction: float) -> None:
-                report((len(fits) + fraction) / len(sets))
-
+        for index, pushed_alike in enumerate(sets):
+            share = part_of(report, index, len(sets))
             fits.append(
                 fit_set(pushed_alike, harmonics=harmonics, wear=wear, seed=seed, progress=share)
             )

@@ -48,6 +48,7 @@ def run_report(
     from cyclemap.evidence.comparison.collection_data import collection_data
 
     chosen = chosen_loop(options, data)
+    given = data
     data = None if data is None else readable_data(data, table, out)
     pairs = None if data is None else collection_data(data, chosen.loop).pairs
     path = None if pairs is None else pairs.path
@@ -71,7 +72,7 @@ def run_report(
     sections = [
         replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
     ]
-    inputs = [path for path in (data, options.protocol) if path is not None and path.is_file()]
+    inputs = [path for path in (given, options.protocol) if path is not None and path.is_file()]
     command = shlex.join(said_command("out", files_by_name=True))
     page = page_html(
         drawn,

@@ -67,7 +67,8 @@ def table_to_fill(plan: PushPlan, by: str = "corners", excel: bool = False) -> b
     Returns
     -------
     bytes
-        The file's content; see `empty_table`.
+        The file's content: a row a push, its side, place, angle, length and orientation to set, and
+        columns to fill with where the object was before and after.
 
     Examples
     --------

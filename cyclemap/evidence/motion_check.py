@@ -377,20 +377,20 @@ def _refusal(looked: _Looked) -> str:
     nearer = f"{1e3 * looked.best:.3g} mm"
     scale = looked.other.length
     if looked.other.angle == 1.0 and _is_no_unit(scale):
-        also = f", with {other.options()}" if other != taken else ""
+        also = f", with {other.options(taken)}" if other != taken else ""
         return (
             f"{off}; were its lengths {scale:.3g} times as long{also}, {nearer}: are they pixels? "
             "Multiply them by the length of one first"
         )
     if scale != 1.0 or looked.other.angle != 1.0:
         unit, kind = _unit(looked.other)
-        also = f" {other.options()}" if other != taken else ""
+        also = f" {other.options(taken)}" if other != taken else ""
         return f"{off}; were its {kind} in {unit}, {nearer}: give --units {unit}{also}"
     also = test.alternative(looked.taken)
     changed = ", ".join(_keys(other, taken))
-    mend = f"give {other.options()}{also} (in collection.toml: [data] {changed})"
+    mend = f"give {other.options(taken)}{also} (in collection.toml: [data] {changed})"
     named = [
-        twin.convention.options()
+        twin.convention.options(taken)
         for twin in looked.twins
         if twin.convention.offset == taken.offset and twin.length == 1.0
     ]
@@ -405,7 +405,7 @@ def _keys(convention: Convention, taken: Convention) -> Iterator[str]:
     if convention.frame != taken.frame:
         yield f'frame = "{convention.frame}"'
     if convention.offset != taken.offset:
-        yield f"offset_deg = {math.degrees(convention.offset):.0f}"
+        yield f"offset_deg = {math.degrees(convention.offset):.6g}"
 
 
 def _unit(reading: _Reading) -> tuple[str, str]:

@@ -75,8 +75,7 @@ class SweepAxis:
 
     @property
     def positions(self) -> Array:
-        """Where the values stand, (n,): the numbers themselves, or 0, 1, 2, ... for anything "
-        "else."""
+        """Where the values stand, (n,): the numbers themselves, else 0, 1, 2, ..."""
         return np.array(self.values if self.is_number else range(len(self.values)), dtype=float)
 
     def at(self, share: float) -> object:
@@ -259,7 +258,7 @@ class Grid:
         return math.prod(len(axis.values) for axis in self.axes)
 
     def settings(self, index: int) -> dict[str, object]:
-        """The swept settings of point `number`, counted from 0."""
+        """The swept settings of point `index`, counted from 0."""
         chosen: dict[str, object] = {}
         for axis in reversed(self.axes):
             index, place = divmod(index, len(axis.values))
@@ -334,7 +333,7 @@ class Sample:
         return self.count
 
     def settings(self, index: int) -> dict[str, object]:
-        """The swept settings of point `number`, counted from 0."""
+        """The swept settings of point `index`, counted from 0."""
         shares = _block(self.sequence, self.seed, len(self.ranges), index // _BLOCK)[index % _BLOCK]
         return {
             axis.key: axis.at(float(share)) for axis, share in zip(self.ranges, shares, strict=True)

@@ -106,8 +106,11 @@ class Sweep:
         """
         if not self.axes:
             raise InvalidInput("a sample has no grid: use values")
+        quantity = self.quantity(name)
+        if quantity.many:
+            raise InvalidInput(f"{name} has any number of values a point: it has no grid")
         grid = np.full(self.shape, np.nan)
-        grid[self.places()] = self.table[self.quantity(name).name]
+        grid[self.places()] = self.table[quantity.name]
         return grid
 
     def places(self) -> tuple[NDArray[np.int64], ...]:

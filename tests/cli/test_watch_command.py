@@ -293,3 +293,14 @@ def test_a_surface_with_samples_tells_what_is_ahead_of_where_the_log_stands(
         "From 340.0° on, of all that is believed, within 300 pushes the loop locks in"
         in capsys.readouterr().out
     )
+
+
+@pytest.mark.parametrize(
+    "table", ["theta0_deg,good\n1,0\n2,0\n3,0\n", "yaw_deg,force\n,1\n,2\n,3\n"]
+)
+def test_a_table_of_which_no_orientation_counts_is_refused_in_a_line(here, capsys, table) -> None:
+    file = here / "nothing.csv"
+    file.write_text(table)
+    assert run(["watch", str(file)]) in (1, 2)
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and "nothing.csv" in error and len(error.splitlines()) == 1

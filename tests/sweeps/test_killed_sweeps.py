@@ -29,7 +29,7 @@ def start(
 ) -> subprocess.Popen:
     script = folder / "sweep.py"
     script.write_text(SCRIPT)
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
     command = [
         sys.executable,
         str(script),

@@ -176,7 +176,7 @@ except StoreWriteError as error:
 def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
     """A limit on the size of files stands for the disk:
     SQLite meets a refused write in both cases."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
     command = [sys.executable, "-c", FULL_DISK, str(path), "250000"]
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert (

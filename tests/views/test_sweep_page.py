@@ -2,6 +2,13 @@
 
 import numpy as np
 import pytest
+from fake_numbers import (
+    FakeNumbers,
+    fake_plan,
+    fake_sample,
+    fake_values,
+    swept as fake_swept,
+)
 from refusals import refused
 
 from cyclemap.maps import RotationPlane
@@ -20,13 +27,6 @@ from cyclemap.views.sweep_page import (
     sweep_page,
     sweep_sentences,
     without_specks,
-)
-from tests.sweeps.fake_numbers import (
-    FakeNumbers,
-    fake_plan,
-    fake_sample,
-    fake_values,
-    swept as fake_swept,
 )
 
 NUMBERS = PortraitNumbers(("rotation", "fixed_points"))

@@ -326,7 +326,7 @@ def identify(
     """Identify parameters from blocks of data by maximum likelihood.
 
     Blocks share friction and rod; what belongs to a plate or a data set is an unknown of its own
-    there (`DataBlock.of_plate`), so that any number of data sets of any plates and sorts is
+    there (`DataBlock.of_owner`), so that any number of data sets of any plates and sorts is
     explained at once.
 
     Parameters

@@ -24,7 +24,13 @@ from cyclemap.evidence.pushes.recordings import (
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, doubt_degrees, pairs_in_table
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row, known_columns, our_names
-from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of, written_convention
+from cyclemap.evidence.tables.conventions import (
+    AS_READ,
+    OURS,
+    Convention,
+    convention_of,
+    written_convention,
+)
 from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES
 from cyclemap.progress import Progress, part_of
 from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
@@ -274,6 +280,8 @@ def load_pushes(
     files, unreadable = _files(Path(path))
     is_told = angles is not None or frame is not None or offset_deg is not None
     convention = convention_of(path, angles, frame, offset_deg)
+    if not is_told:
+        _refuse_mixed(path, files, convention)
     loaded = _loaded(files, convention, progress)
     unreadable += loaded.unreadable
     written, all_told = written_convention(path)
@@ -284,6 +292,18 @@ def load_pushes(
         convention=convention if is_told else written,
         convention_told=all_told or (angles is not None and frame is not None),
     )
+
+
+def _refuse_mixed(path: str | Path, files: Sequence[Path], convention: Convention) -> None:
+    """Refuse files of which some are in another convention than their folder."""
+    places = {file if file.name.endswith(AS_READ) else file.parent for file in files}
+    for place in sorted(places):
+        own = convention_of(place)
+        if own != convention:
+            raise InvalidInput(
+                f"{path} is read with {convention.words()}, but {place} with {own.words()}: read "
+                "each of them alone"
+            )
 
 
 def table_pushes(table: CsvTable) -> PushTable:

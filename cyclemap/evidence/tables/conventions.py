@@ -41,7 +41,7 @@ AS_READ = "_as_read.csv"
 _SAID = (
     r"counter-clockwise|clockwise|compass",
     r"right-handed|mirrored|swapped",
-    r"plus(-?\d+(?:\.\d+)?(?:e-?\d+)?)deg",
+    r"plus(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)deg",
 )
 _NAMED_LAST = re.compile(
     rf"(?:_({_SAID[0]}))?(?:_({_SAID[1]}))?(?:_{_SAID[2]})?{re.escape(AS_READ)}$"
@@ -120,15 +120,24 @@ class Convention:
             return y, x
         return (x, -y) if self.frame == MIRRORED else (x, y)
 
-    def options(self) -> str:
+    def options(self, instead: Convention | None = None) -> str:
         """Return the options of the command line that say it.
+
+        instead : what a collection file says; what differs from that is said, too.
 
         >>> Convention("clockwise", "mirrored").options()
         '--angles clockwise --frame mirrored'
+        >>> Convention().options(instead=Convention("clockwise"))
+        '--angles counter-clockwise'
         """
-        options = [f"--angles {self.angles}"] if self.angles != "counter-clockwise" else []
-        options += [f"--frame {self.frame}"] if self.frame != RIGHT_HANDED else []
-        options += [f"--offset-deg {math.degrees(self.offset):.0f}"] if self.offset else []
+        others = (OURS, OURS if instead is None else instead)
+        options = []
+        if any(self.angles != other.angles for other in others):
+            options.append(f"--angles {self.angles}")
+        if any(self.frame != other.frame for other in others):
+            options.append(f"--frame {self.frame}")
+        if any(self.offset != other.offset for other in others):
+            options.append(f"--offset-deg {math.degrees(self.offset):.6g}")
         return " ".join(options) or "--angles counter-clockwise --frame right-handed"
 
     def words(self) -> str:
@@ -136,7 +145,7 @@ class Convention:
         angle = f"{self.angles} from x, seen from above"
         if self.angles == "compass":
             angle = "compass headings, clockwise from y"
-        offset = f", {math.degrees(self.offset):.0f}° added" if self.offset else ""
+        offset = f", {math.degrees(self.offset):.6g}° added" if self.offset else ""
         return f"axes {self.frame}, angles {angle}{offset}"
 
     def direction(self, angle: float) -> float:

@@ -195,10 +195,8 @@ def _cut(path: Path, table: OwnTable) -> OwnTable:
     """The pushes of a stream of poses: one an episode, else what its rests and its ring's place
     tell.
     """
-    words, stream = (
-        list[str](),
-        table.rows.dropna(subset=_known(table.rows, "theta", "t", "x", "y")),
-    )
+    words: list[str] = []
+    stream = table.rows.dropna(subset=_known(table.rows, "theta", "t", "x", "y"))
     lost = len(table.rows) - len(stream)
     if lost:
         words.append(f"left out for want of a pose: {lost} of {len(table.rows)} rows")

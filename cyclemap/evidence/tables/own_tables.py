@@ -1,6 +1,6 @@
 """Tables of one's own, as `own_files` reads them, brought to pushes by our names.
 
-What a column means is told or guessed by its name, its unit by name or size (`columns`); every
+What a column means is told or guessed by its name, its unit by name or size (`meaning`); every
 guess is said, and nothing that two readings are possible of is guessed. What a row is, and which
 rows follow each other, is told by `own_rows`.
 """
@@ -102,6 +102,8 @@ def read_orientations(
     """
     table = _pushes(Path(path), columns or {}, units, convention, growing)
     known = table.with_orientation()
+    if known.rows.empty and not growing:
+        raise DataFileError(f"{path}: no row has an orientation that counts")
     return known.then(known.rows[["theta0"]], _assumed(False, convention))
 
 

@@ -441,7 +441,7 @@ def predict_drift(
     turns, off = quad_vec(winding, *ends, epsabs=_TOLERANCE, epsrel=0.0, points=kinks)
     change = np.abs(np.diff([operator.rotation_number for operator in operators]))
     # That rule is off by an eighth of how much the slope changes, or less.
-    places = np.union1d(chosen, kinks)
+    places = np.union1d(chosen, inner)
     slopes = np.diff([winding(n) for n in places.tolist()]) / np.diff(places)
     off += float(np.max(np.abs(slopes)) + np.sum(np.abs(np.diff(slopes)))) / 8.0
     gaps = [min(pair) for pair in pairwise(operator.spectral_gap for operator in operators)]

@@ -63,8 +63,8 @@ typedef struct {
 } Past;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
-   the contact on the left, sides by columns, WIDTH more as the first one. is_alone: no table knows the pressure where the object
-   stands. */
+   the contact on the left, sides by columns, WIDTH more as the first one. is_alone: no table knows
+   the pressure where the object stands. */
 typedef struct Pressed {
     double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
     double moments[MONOMIALS];
@@ -365,7 +365,7 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     enum { MOST = 2 * RIM_SAMPLES, MOST_CUTS = 8 };
     int kinds[MOST_CUTS], count = 0, cut_count = 0;
     Around e = around_of(at->pressure, semi);
-    Stop stops[MOST + 1], cuts[MOST_CUTS + 1];
+    Stop stops[MOST + 1], cuts[MOST_CUTS];
     double values[MOST + 1], step = 2.0 * M_PI / RIM_SAMPLES;
     double slope = around_slope(&e, 1.0, 0.0), value = around_at(&e, 1.0, 0.0);
     /* between samples of one sign P vanishes only where it is less than it can bend by */
@@ -584,7 +584,12 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
     }
 }
 
-/* The boundary of the contact under the pressure at hand; whether there was room for it. */
+static void forget_pressure(Pressed *at) {
+    for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+}
+
+/* The boundary of the contact under the pressure at hand; whether there was room for it: if not,
+   nothing is known of either. */
 static int cut(const Pressure *pressure, Pressed *at) {
     Places crossings;
     crossings.count = 0;
@@ -599,11 +604,16 @@ static int cut(const Pressure *pressure, Pressed *at) {
         cut_side(at, a, b, first, last, &crossings);
         first = last;
     }
-    if (crossings.count > MOST_PLACES - 4) return 0;
-    cut_inside(pressure, at, &crossings);
-    for (int k = 0; k < EDGE_SIZE && at->side_count <= MOST_SIDES; ++k)
+    int has_room = crossings.count <= MOST_PLACES - 4;
+    if (has_room) cut_inside(pressure, at, &crossings);
+    if (at->side_count > MOST_SIDES || at->arc_count > MOST_ARCS) has_room = 0;
+    if (!has_room) {
+        at->side_count = at->arc_count = at->nodes.count = 0;
+        forget_pressure(at);
+    }
+    for (int k = 0; k < EDGE_SIZE; ++k)
         for (int i = 0; i < WIDTH; ++i) at->sides[k][at->side_count + i] = at->sides[k][0];
-    return at->side_count <= MOST_SIDES && at->arc_count <= MOST_ARCS;
+    return has_room;
 }
 
 /* Integrals of monomials over cones from the centroid: cross x^i y^j / (i + j + 2). */
@@ -887,14 +897,15 @@ static void press_alone(const Pressure *pressure, double theta, Pressed *at) {
     if (!is_settled) {
         at->past.count = 0;
         if (!begin_balance(pressure, shape, at) || !balance(pressure, at)) {
-            for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+            forget_pressure(at);
             return;
         }
     }
     remember(&at->past, theta, at->pressure);
 }
 
-/* The pressure at an orientation: from the table, corrected where that may be too far off. */
+/* The pressure at an orientation: from the table, corrected where that may be too far off. Not a
+   number where the load cannot be balanced. */
 static void press(const Pressure *pressure, double theta, Pressed *at) {
     if (at->is_known && at->theta == theta) return;
     if (at->is_alone)
@@ -902,7 +913,8 @@ static void press(const Pressure *pressure, double theta, Pressed *at) {
     else {
         double error = lean_between(pressure, theta, at->pressure);
         cut(pressure, at);
-        if (error > LEAN_SHARE * at->tolerance && !settle(pressure, at)) balance(pressure, at);
+        int is_near = error <= LEAN_SHARE * at->tolerance;
+        if (!is_near && !settle(pressure, at) && !balance(pressure, at)) forget_pressure(at);
     }
     at->theta = theta;
     at->is_known = 1;

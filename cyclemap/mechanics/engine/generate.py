@@ -255,7 +255,8 @@ def _tables() -> str:
         "DIGIT_CLASSES": len(BOUNDARY_DIGITS),
     }
     boundary = [np.polynomial.legendre.leggauss(order) for order in BOUNDARY_RULES]
-    around = np.arange(RIM_SAMPLES + 1) * 2.0 * np.pi / RIM_SAMPLES
+    # The last is the first to the bit.
+    around = np.append(np.arange(RIM_SAMPLES), 0) * 2.0 * np.pi / RIM_SAMPLES
     # The half axis of Bernstein's ellipse from which a rule serves, and that of an arc's poles, at
     # which sums are of the fifth order: errors are larger by (2 n)^4 / 4!.
     twice, digits = 2.0 * np.array(BOUNDARY_RULES), np.array(BOUNDARY_DIGITS)[:, None]

@@ -1,3 +1,3 @@
 """Panels that pages and figures are laid out of: each draws a result on axes, and computes
-nothing.
+nothing; and their look and layout.
 """

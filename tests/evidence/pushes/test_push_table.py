@@ -287,3 +287,13 @@ def test_places_in_millimetres_under_our_names_are_not_taken_for_metres(tmp_path
         "moves the object by 76.16 m: are its places in millimetres? Say so, --units mm"
         in bad.reason
     )
+
+
+def test_folders_in_different_conventions_are_not_read_as_one(tmp_path) -> None:
+    """Ends of pushes would be in one sense, and what is read of the records again in the other."""
+    for folder in ("ours", "theirs"):
+        write(tmp_path / folder / f"{PUSH_NAME}.json", made_push())
+    (tmp_path / "theirs" / "collection.toml").write_text('[data]\nangles = "clockwise"\n')
+    refused(load_pushes, tmp_path, told="read each of them alone")
+    assert len(load_pushes(tmp_path, angles="clockwise").table) == 2
+    assert len(load_pushes(tmp_path / "theirs").table) == 1

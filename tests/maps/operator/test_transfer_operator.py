@@ -86,7 +86,7 @@ def test_what_the_nodes_miss_of_a_sharp_function_is_in_the_bound(noise):
         found = law.expectation(sharp)
         exact = TWO_PI * np.mean(law.density(fine) * sharp(fine))
         assert abs(found - exact) <= found.error_bound + 1e-12
-        assert 1e-12 < found.error_bound < 0.1
+        assert 1e-12 < found.error_bound < 0.05
 
 
 @pytest.mark.parametrize("angle", np.linspace(0.0, 3.0, 13))

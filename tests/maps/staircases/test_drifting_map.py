@@ -138,6 +138,17 @@ def test_the_adiabatic_climb_of_a_drifting_rotation_is_its_sum():
     assert abs(found.summaries[0].mean_turn - 0.2 * np.pi) < 1e-10
 
 
+def test_the_bound_of_the_climb_holds_where_a_schedule_goes_to_and_fro():
+    """Seventeen knots, every other one still: points spread over the run see none of it."""
+    knots = []
+    for index in range(17):
+        knots.append((2.5 * index, CircleMap.rigid(2.0 * (index % 2))))
+    worn = DriftingMap.between(knots)
+    climb = predict_drift(worn, WrappedNormal(0.3), 41).turns
+    truth = sum(float(worn.at(n).turn(0.0)) for n in range(41)) / TWO_PI
+    assert abs(climb - truth) <= climb.error_bound
+
+
 def test_sampled_turns_under_slow_wear_agree_with_the_adiabatic_ones():
     """Mean of 300 runs of 4,000 cycles, against the sum of the frozen maps' rotation numbers."""
     noise, cycles = WrappedNormal(0.3), 4_000
