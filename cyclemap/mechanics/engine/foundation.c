@@ -244,7 +244,8 @@ static double zero_between(double (*of)(const Around *, double, double),
                            double (*by)(const Around *, double, double), const Around *e,
                            const double *from, const double *end, double *at) {
     enum { MOST_TRIALS = 100 };
-    double across = from[X] * end[Y] - from[Y] * end[X], along = from[X] * end[X] + from[Y] * end[Y];
+    double across = from[X] * end[Y] - from[Y] * end[X];
+    double along = from[X] * end[X] + from[Y] * end[Y];
     double low = 0.0, high = across / (1.0 + along), before = high;
     double first = of(e, from[X], from[Y]), last = of(e, end[X], end[Y]);
     double t = first == last ? 0.5 * high : high * first / (first - last);
@@ -298,7 +299,8 @@ static WIDENED int put_nodes(Nodes *to, const Arc *arc, int rule, double low, do
         Wide node, share;
         memcpy(&node, BOUNDARY_NODES + first + j, sizeof node);
         memcpy(&share, BOUNDARY_WEIGHTS + first + j, sizeof share);
-        Wide s = middle + 0.5 * half * node, t = 1.0 - s, begun = t * t, ended = s * s, both = s * t;
+        Wide s = middle + 0.5 * half * node, t = 1.0 - s;
+        Wide begun = t * t, ended = s * s, both = s * t;
         both += both;
         Wide bent = arc->weight * both, down = 1.0 / (begun + bent + ended);
         Wide x = (begun * a[X] + bent * c[X] + ended * b[X]) * down;
@@ -377,7 +379,8 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
         values[count++] = value;
         if (i == RIM_SAMPLES) break;
         const double there[] = {RIM_COSINES[i + 1], RIM_SINES[i + 1]};
-        double next = around_slope(&e, there[X], there[Y]), after = around_at(&e, there[X], there[Y]);
+        double next = around_slope(&e, there[X], there[Y]);
+        double after = around_at(&e, there[X], there[Y]);
         int may_vanish = fmin(fabs(value), fabs(after)) <= least;
         if (may_vanish && (slope > 0.0) != (next > 0.0)) {
             Stop *extreme = stops + count;
@@ -659,8 +662,7 @@ static WIDENED void take_moments(Pressed *at) {
         Wide x = ends[EDGE_START_X], ex = ends[EDGE_END_X] - x;
         Wide y = ends[EDGE_START_Y], ey = ends[EDGE_END_Y] - y, share = 0.5 * (x * ey - y * ex);
         share *= ones(at->side_count - i);
-        for (int j = 0; j < 2; ++j)
-            add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
+        for (int j = 0; j < 2; ++j) add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
     const Nodes *nodes = &at->nodes;
     for (int i = 0; i < nodes->count; i += WIDTH) {
