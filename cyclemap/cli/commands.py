@@ -71,16 +71,15 @@ def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
 
 
-def command(name: str, says: str, *takes: Decorator, beside: str = "") -> None:
+def command(name: str, says: str, *takes: Decorator, file: str = "") -> None:
     """Add a command: its name, its help, its arguments and options in order.
 
-    It does run_NAME of run_NAME.py, or of the file of the command that it stands `beside`; that is
-    imported only then: no help waits for it. Where the file has NameOptions, all that was asked
-    comes as one of these.
+    It does run_NAME of run_NAME.py, or of the `file` that is named; that is imported only then: no
+    help waits for it. Where the file has NameOptions, all that was asked comes as one of these.
     """
 
     def work(**given: object) -> None:
-        module = import_module(f"cyclemap.cli.run_{beside or name}")
+        module = import_module(f"cyclemap.cli.{file or f'run_{name}'}")
         run = getattr(module, f"run_{name}")
         options = f"{name.title()}Options"
         if hasattr(module, options):
@@ -136,7 +135,7 @@ command(
     argument("file", type=PATH),
     out_option("Of the picture."),
     json_option,
-    beside="init",
+    file="run_init",
 )
 command(
     "audit",
@@ -149,7 +148,7 @@ command(
     argument("data", type=PATH),
     table_options,
     result_options("audit_DATA.png and .json"),
-    beside="watch",
+    file="collected.run_watch",
 )
 command(
     "probe",
@@ -177,6 +176,7 @@ command(
     ),
     table_options,
     result_options("probe.png and .json"),
+    file="collected.run_probe",
 )
 command(
     "plan",
@@ -240,6 +240,7 @@ command(
     ),
     seed_option("Seed of the pushes that are looked at."),
     result_options("plan_OBJECT.csv, .png and .json, and the robot's schedule"),
+    file="collected.run_plan",
 )
 command(
     "cycle",
@@ -261,7 +262,7 @@ command(
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run.""",
     loop_options,
     run_options,
-    beside="portrait",
+    file="run_portrait",
 )
 command(
     "fingerprint",
@@ -277,6 +278,7 @@ command(
     ),
     option("--margin", is_flag=True, help=_MARGIN),
     result_options("fingerprint_MATERIAL.png and .json"),
+    file="run_portrait",
 )
 command(
     "explore",
@@ -298,7 +300,7 @@ command(
         help="Open the page, or only write it.",
     ),
     out_option("Where."),
-    beside="report",
+    file="run_report",
 )
 command(
     "dynamics",
@@ -313,6 +315,7 @@ command(
     theta0_option,
     speed_option,
     result_options("dynamics_MATERIAL.png and .json"),
+    file="run_cycle",
 )
 command(
     "experiment",
@@ -334,7 +337,7 @@ command(
         help="Quasi-static cycles, without inertia, in place of dynamic ones.",
     ),
     result_options("experiment_MATERIAL.png and .json"),
-    beside="dynamics",
+    file="run_cycle",
 )
 command(
     "figures",
@@ -385,6 +388,7 @@ command(
         "--format", "suffix", type=Choice(["h5", "json"]), default="h5", help="Kind of the files."
     ),
     json_option,
+    file="collected.run_simulate",
 )
 command(
     "fit",
@@ -403,6 +407,7 @@ command(
     seed_option("Seed of folds and paths."),
     table_options,
     result_options("fit_NAME.png and .json, for each set,"),
+    file="collected.run_fit",
 )
 command(
     "identify",
@@ -476,6 +481,7 @@ command(
     option("--name", help="Of the material. [default: SURFACE-identified]"),
     option("--force", is_flag=True, help="Write a material that cannot be right, too."),
     result_options("NAME.toml, identify_NAME.png and .json"),
+    file="collected.run_identify",
 )
 command(
     "compare",
@@ -496,6 +502,7 @@ command(
     option("--runs", type=Whole(min=19), default=199, help="Simulated collections."),
     seed_option("Seed of their noise."),
     result_options("compare_MATERIAL.png and .json"),
+    file="collected.run_compare",
 )
 command(
     "replay",
@@ -525,6 +532,7 @@ command(
         help="Friction of rod and object. [default: 0.25, or as set]",
     ),
     result_options("replay_MATERIAL.png and .json"),
+    file="collected.run_replay",
 )
 command(
     "watch",
@@ -565,6 +573,7 @@ command(
     ),
     table_options,
     result_options("watch_FILE.png and .json"),
+    file="collected.run_watch",
 )
 command(
     "reset",

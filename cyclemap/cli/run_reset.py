@@ -1,23 +1,36 @@
-"""`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule."""
+"""`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule; and what
+`cyclemap portrait` and `staircase` say of a strategy whose cycles differ.
+"""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import actions_report
-from cyclemap.cli.options import ResultOptions
+from cyclemap.arrays import Array
+from cyclemap.cli.json_report import actions_report, measured_report, steps_report
+from cyclemap.cli.options import ResultOptions, RunOptions
 from cyclemap.cli.output import Told, people_table, progress_bar, publish, result_stem, styled
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
+from cyclemap.maps import find_steps
 from cyclemap.mechanics import Material, load_material
 from cyclemap.protocol import write_protocol, write_schedule
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
+from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_collection
 from cyclemap.resets import (
     MaterialRange,
     ResetDemands,
     ResetDesign,
     ResetRow,
+    ResetStrategy,
     design_reset,
+    map_turns,
     material_range,
+    orientation_law,
+    run_strategy,
+    strategy_maps,
 )
+from cyclemap.resets.orientation_law import OrientationLaw, slowest_factor
 from cyclemap.views.reset_page import (
     COLUMNS,
     design_sentences,
@@ -26,9 +39,10 @@ from cyclemap.views.reset_page import (
     recipe,
     reset_page,
     row_cells,
+    strategy_page,
 )
-from cyclemap.views.sentences import material_line
-from cyclemap.written import Json, degrees, json_of
+from cyclemap.views.sentences import angle, material_line
+from cyclemap.written import Json, degrees, direction_deg, json_of, rows, written
 
 
 def run_reset(
@@ -151,3 +165,126 @@ def _predicted(row: ResetRow) -> dict[str, float]:
         "histogram_distance": row.histogram[0],
         "mean_drag_mm": 1e3 * row.drag,
     }
+
+
+_EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
+_CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
+_NO_STEPS = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
+
+
+def run_strategy_portrait(
+    chosen: ChosenCollection,
+    strategy: ResetStrategy,
+    pairs: Theta0Pairs | None,
+    asked: RunOptions,
+) -> None:
+    """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
+    loop = chosen.loop
+    sigma = chosen.noise
+    with progress_bar(f"cycle maps of {loop.material.name}") as report:
+        maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
+    turns = map_turns(maps)
+    measured = None if pairs is None else pairs.path
+    law = orientation_law(turns, strategy, sigma)
+    factor = slowest_factor(turns, strategy, sigma)
+    theta, ran = _run(loop, strategy, sigma, measured, asked)
+    mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
+    as_json: Json = {
+        "strategy": {"recipe": recipe(strategy), **json_of(strategy, "order", "needs")},
+        "map": rows(
+            action=actions_report(strategy, loop),
+            max_error_deg=[degrees(cycle_map.max_error) for cycle_map in maps],
+            mean_turn_deg=degrees(turns.mean(axis=1)),
+        ),
+        "fixed_points": [],
+        "fixed_points_reason": _EACH,
+        "rotation_number": {
+            "value": mean_turn / (2.0 * math.pi),
+            **dict.fromkeys(("lower", "upper", "locked")),
+        },
+        "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
+        "staircase": {**_NO_STEPS, "mean_turn_deg": degrees(mean_turn), "run": ran},
+    }
+    if pairs is not None:
+        as_json["data"] = {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}
+    words = (
+        f"{loop.material.name}: {law.total_variation:.1%} away from uniform",
+        f"With {math.degrees(sigma):.2g}° of noise a cycle: {recipe(strategy)}.",
+        f"Total variation from uniform {law.total_variation:.4f} in the long run, {law.after:.4f} "
+        f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
+        f"In a run of {len(theta) - 1} cycles θ0 moves {angle(mean_turn, 2)} a cycle on average.",
+    )
+    publish(
+        as_json,
+        strategy_page(words, loop, strategy, theta, measured, turns, law),
+        result_stem(asked.results.out, "portrait", loop),
+        asked.results,
+        *words,
+    )
+
+
+def _law_report(law: OrientationLaw, factor: float) -> Json:
+    """The stationary distribution, and how fast it is reached: by a factor a cycle."""
+    return {
+        "peaks_deg": [*map(direction_deg, law.peaks)],
+        "spectral_gap": written(1.0 - factor),
+        "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
+        "tv_from_uniform": written(law.total_variation),
+        "tv_error": written(law.error),
+        "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
+    }
+
+
+def run_strategy_staircase(
+    chosen: ChosenCollection,
+    strategy: ResetStrategy,
+    measured: MeasuredStaircase | None,
+    asked: RunOptions,
+) -> None:
+    """Run the strategy, set the measured staircase beside it, draw both, and print them for people
+    or as JSON.
+    """
+    loop = chosen.loop
+    sigma = chosen.noise
+    data = None if measured is None else measured.path
+    theta, ran = _run(loop, strategy, sigma, data, asked)
+    steps = find_steps(theta)
+    as_json: Json = {
+        "noise_deg": degrees(sigma),
+        "prediction": {**_NO_STEPS, "zones": [], "reason": _CHANGING},
+        "run": {**ran, "followed": "mechanics", **steps_report(steps)},
+        **({} if measured is None else {"data": measured_report(measured)}),
+    }
+    rests = f"makes {steps.count} steps" if steps.levels.size else "rests nowhere"
+    words = (
+        f"Staircase of {loop.material.name}",
+        f"{recipe(strategy)}.".capitalize(),
+        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it "
+        f"{rests}; θ0 moves {angle((theta[-1] - theta[0]) / (len(theta) - 1), 2)} a cycle on "
+        "average.",
+    )
+    publish(
+        as_json,
+        strategy_page(words, loop, strategy, theta, data),
+        result_stem(asked.results.out, "staircase", loop),
+        asked.results,
+        *words,
+    )
+
+
+def _run(
+    loop: CollectionLoop,
+    strategy: ResetStrategy,
+    sigma: float,
+    data: Array | None,
+    asked: RunOptions,
+) -> tuple[Array, Json]:
+    """A run of the strategy by the full mechanics, from where the data start and as long where
+    there are some.
+    """
+    wanted = asked.run_beside(data)
+    with progress_bar(f"{wanted['cycles']} cycles on {loop.material.name}") as report:
+        run = run_strategy(loop, strategy, sigma=sigma, progress=report, **wanted)
+    theta = run.theta[0]
+    climb = degrees(theta[-1] - theta[0])
+    return theta, {"seed": asked.seed, "cycles": wanted["cycles"], "climb_deg": climb}

@@ -26,7 +26,7 @@ SMALL = partial(plan_pushes, samples=4, candidates=30)
 def here(tmp_path, monkeypatch) -> Path:
     """A folder with the file of an object, and plans of few candidates over few floors."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cyclemap.cli.run_plan.plan_pushes", SMALL)
+    monkeypatch.setattr("cyclemap.cli.collected.run_plan.plan_pushes", SMALL)
     assert run(["init", "box.toml", "--rectangle-mm", "80,60", "--quiet"]) == 0
     return tmp_path
 

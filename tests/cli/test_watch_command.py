@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli import run_watch as module
+from cyclemap.cli.collected import run_watch as module
 from cyclemap.cli.main import run
 from cyclemap.cli.options import ResultOptions, TableOptions
 from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns

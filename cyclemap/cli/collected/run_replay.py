@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cyclemap.cli.collected.run_fit import reasons_of, selected_values
 from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
@@ -16,7 +17,6 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
 )
-from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.comparison.replay_table import (
     DATASET_PUSHER,

@@ -11,10 +11,10 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+from cyclemap.cli.collected.run_fit import selected_values
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
-from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import (

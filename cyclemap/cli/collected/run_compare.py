@@ -5,10 +5,10 @@ from pathlib import Path
 
 from rich.table import Table
 
+from cyclemap.cli.collected.run_fit import QUANTITIES, selected_values
 from cyclemap.cli.json_report import PLAIN_UNITS, UNITS, comparison_report, facts_report
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
-from cyclemap.cli.run_fit import QUANTITIES, selected_values
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare

@@ -1,0 +1,1 @@
+"""The commands that read collected data, or make some."""
