@@ -16,7 +16,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.turn_bins import covered_arcs
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
-from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.evidence.tables.conventions import written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 LEAST_WORTH = 0.5
 FEWEST = 10
 _NEAR = np.radians(10.0)
-# Pushes alike in these are of one set.
-_ALIKE = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +226,7 @@ def _largest_set(
         why = "".join(f": {file.path}: {file.reason}" for file in pushes.unreadable[:1])
         raise InvalidInput(f"{data}: no push with an orientation in it{why}")
     check_pushes(pushes, loop)
-    sets = table.groupby(_ALIKE, dropna=False, sort=False)
+    sets = table.groupby([*SET_FACTS], dropna=False, sort=False)
     rows = max((rows for _, rows in sets), key=len)
     numbers = rows["repetition"]
     numbered = bool(numbers.notna().all()) and numbers.nunique() == len(rows)

@@ -14,6 +14,7 @@ from cyclemap.arrays import TWO_PI, Array, Whole, nodes_around
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import worn_loop
+from cyclemap.evidence.laws.turn_bins import bin_shares
 from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import ResetStrategy
 from cyclemap.resets.coverage import Crowding
@@ -276,11 +277,7 @@ def histogram_shares(theta: Array) -> Array:
     >>> histogram_shares(np.radians([[5.0, 6.0, 15.0, -5.0]]))[0, [0, 1, 35]].tolist()
     [0.5, 0.25, 0.25]
     """
-    cells = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
-    counts = np.bincount(
-        (cells + BINS * np.arange(len(cells))[:, None]).ravel(), minlength=BINS * len(cells)
-    )
-    return np.asarray(counts.reshape(len(cells), BINS) / theta.shape[-1])
+    return bin_shares(theta, BINS)
 
 
 def histogram_distances(shares: Array) -> Array:

@@ -191,8 +191,18 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     """
     if theta.size == 0:
         raise InvalidInput("no direction to make a histogram of; give at least one")
-    count = np.bincount(bin_index(theta, bins), minlength=bins)
-    return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
+    density = bin_shares(theta, bins) * (bins / TWO_PI)
+    return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), density)
+
+
+def bin_shares(theta: Array, bins: int) -> Array:
+    """The shares (..., bins) of angles (..., n), rad, any turn, in equal bins over [0, 2π)."""
+    cells = bin_index(theta, bins)
+    rows = cells.reshape(-1, cells.shape[-1])
+    # Bins of their own for each row, so that all are counted at once.
+    own = rows + bins * np.arange(len(rows))[:, None]
+    counts = np.bincount(own.ravel(), minlength=bins * len(rows))
+    return np.asarray(counts.reshape(*cells.shape[:-1], bins) / cells.shape[-1])
 
 
 def bin_index(theta: Array, bins: int) -> Whole:
