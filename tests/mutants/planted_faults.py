@@ -868,7 +868,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
                 "own.worst_histogram[0] > rows[0].worst_histogram[0]\n",
             ),
-            ("where = self.about.worst(np.array(values))", "where = int(np.argmin(values))"),
+            ("where = self.about.worst(after)", "where = int(np.argmin(after))"),
         ],
     ),
     "resets/reset_ranking.py": (

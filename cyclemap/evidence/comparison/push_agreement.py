@@ -17,6 +17,7 @@ from cyclemap.errors import ConvergenceError, UnsupportedContact
 from cyclemap.evidence.comparison.collection_data import PosedSet
 from cyclemap.evidence.comparison.collection_null import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
+from cyclemap.evidence.laws.push_sets import QUANTITIES
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
 from cyclemap.evidence.tables.columns import Row
 from cyclemap.mechanics import QuasiStaticModel
@@ -24,7 +25,6 @@ from cyclemap.mechanics.trajectory import Course
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import NUMBER, UNWRITTEN
 
-QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
 FEWEST = 3
 # A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is
