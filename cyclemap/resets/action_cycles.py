@@ -17,7 +17,7 @@ from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
@@ -174,11 +174,10 @@ def strategy_maps(
     """
     computed: dict[CollectionLoop, CircleMap] = {}
     loops = strategy.loops(loop)
-    report = progress or (lambda fraction: None)
-    for count, acted in enumerate(loops, 1):
+    for index, acted in enumerate(loops):
         if acted not in computed:
             computed[acted] = acted.circle_map(tolerance)
-        report(count / len(loops))
+        part_of(progress, index, len(loops))(1.0)
     maps = []
     for acted, action in zip(loops, strategy.actions, strict=True):
         made = computed[acted]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.turn_bins import covered_arcs
@@ -20,7 +20,7 @@ from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushe
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.evidence.tables.conventions import written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, part_of
 from cyclemap.resets.bias_monitor import BiasMonitor, BiasReport
 from cyclemap.written import DIRECTION
 
@@ -128,11 +128,8 @@ class Audit:
         start = self.locked_from
         if alarm is None or start is None:
             return 0.0
-        away = [
-            np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta))))
-            for theta in alarm.directions
-        ]
-        return float(np.mean(np.min(away, axis=0) < _NEAR))
+        away = shorter_way(np.subtract.outer(self.theta[start:], alarm.directions))
+        return float(np.mean(np.abs(away).min(axis=1) < _NEAR))
 
     @property
     def is_good(self) -> bool:
@@ -195,10 +192,9 @@ def audit(
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor = BiasMonitor()
     reports = []
-    for done, angle in enumerate(theta.tolist(), 1):
+    for index, angle in enumerate(theta.tolist()):
         reports.append(monitor.update(angle))
-        if progress is not None:
-            progress(done / theta.size)
+        part_of(progress, index, theta.size)(1.0)
     return Audit(
         Path(name).name,
         monitor.path,

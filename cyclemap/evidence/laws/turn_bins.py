@@ -4,6 +4,7 @@ map.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -135,6 +136,11 @@ class MapAgreement:
     rms: float = field(metadata=ANGLE)
     bins: int
     bin_rms: float = field(metadata=ANGLE)
+
+
+def root_mean_square(values: Array) -> float:
+    """The root mean square of values (n,); NaN without any."""
+    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
 
 
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
@@ -271,9 +277,7 @@ def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> Meas
     0.0
     """
     bins = turn_bins(pairs)
-    off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)
-    rms, bin_rms = (
-        float(np.sqrt(np.mean(one**2))) if one.size else np.nan for one in (off, bin_off)
-    )
+    rms = root_mean_square(pairs.turn - turn(pairs.theta))
+    bin_rms = root_mean_square(bins.median - turn(bins.centre))
     agreement = MapAgreement(pairs.theta.size, rms, bins.centre.size, bin_rms)
     return MeasuredOverlay(pairs, bins, angle_histogram(pairs.theta), agreement)
