@@ -285,14 +285,14 @@ def design_reset(
     rows, course = _assessed(judge, _roles(picks, given), report)
     binding = binding if rows[0].misses else ()
     return ResetDesign(
-        loop,
-        sigma,
-        wanted,
-        about,
-        rows,
-        not binding and not rows[0].misses,
-        binding,
-        independent_distance(wanted.pushes),
+        loop=loop,
+        sigma=sigma,
+        demands=wanted,
+        about=about,
+        rows=rows,
+        met=not binding and not rows[0].misses,
+        binding=binding,
+        independent=independent_distance(wanted.pushes),
         **course,
     )
 
@@ -412,20 +412,20 @@ class _Judge:
         if worst_histogram[0] <= independent_distance(self.demands.pushes):
             values = costs
         return ResetRow(
-            tuple(roles),
-            strategy,
-            nominal,
-            tv,
-            after,
-            self.about.materials[where],
-            costs[DRAG],
-            costs[SECONDS],
-            costs[REACH],
-            costs[CONTACT],
-            histogram,
-            worst_histogram,
-            self.misses(values),
-            tuple(need for need in strategy.needs if need not in self.demands.abilities),
+            roles=tuple(roles),
+            strategy=strategy,
+            nominal=nominal,
+            worst=tv,
+            worst_after=after,
+            worst_material=self.about.materials[where],
+            drag=costs[DRAG],
+            seconds=costs[SECONDS],
+            room=costs[REACH],
+            contact=costs[CONTACT],
+            histogram=histogram,
+            worst_histogram=worst_histogram,
+            misses=self.misses(values),
+            lacking=tuple(need for need in strategy.needs if need not in self.demands.abilities),
         )
 
     def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:

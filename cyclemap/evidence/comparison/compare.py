@@ -83,11 +83,11 @@ class Comparison:
 
     prediction: CollectionModel
     data: CollectionData
-    pushes: tuple[PushAgreement, ...]
-    cycle: CycleAgreement | None
-    orientations: OrientationAgreement | None
-    directions: DirectionAgreement | None
-    staircase: StaircaseAgreement | None
+    pushes: tuple[PushAgreement, ...] = ()
+    cycle: CycleAgreement | None = None
+    orientations: OrientationAgreement | None = None
+    directions: DirectionAgreement | None = None
+    staircase: StaircaseAgreement | None = None
     uncertified: tuple[str, ...] = ()
 
     @property
@@ -224,12 +224,11 @@ def _cycles_asked(
     from it.
     """
     pairs = data.pairs
-    empty = Comparison(model, data, (), None, None, None, None)
     if pairs is None:
-        return empty
+        return Comparison(model, data)
     path = pairs.path
     if path is None or pairs.path_cycle is None or path.size < SHORTEST_COLLECTION:
-        return replace(empty, cycle=cycle_agreement(model, data.loop, pairs))
+        return Comparison(model, data, cycle=cycle_agreement(model, data.loop, pairs))
     first = int(pairs.path_cycle[0])
     start = float(path[0])
     uncertain = replace(model, first=first)
@@ -255,8 +254,9 @@ def _cycles_asked(
         uncertified = (f"stable directions and visits: {error}",)
     zones = () if summary is None else summary.zones
     fixed = summary if isinstance(model.map, CircleMap) else None
-    return replace(
-        empty,
+    return Comparison(
+        model,
+        data,
         cycle=cycle_agreement(model, data.loop, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, zones, ensemble, null),

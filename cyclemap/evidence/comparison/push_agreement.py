@@ -197,12 +197,16 @@ def _agreement(pushes: PosedSet, moved: Array, sampled: Array | None) -> PushAgr
     isotropic.
     """
     kept = np.isfinite(moved).all(axis=(0, 2))
-    columns = (pushes.theta, pushes.motion, *moved)
-    theta, measured, predicted, isotropic = (read_only(column[kept]) for column in columns)
-    length = float(np.median([push.distance for push in pushes.push]))
-    quantities = _quantities(measured, predicted, sampled)
+    measured, predicted, isotropic = (read_only(motion[kept]) for motion in (pushes.motion, *moved))
     return PushAgreement(
-        pushes.facts, length, theta, measured, predicted, isotropic, quantities, sampled
+        facts=pushes.facts,
+        length=float(np.median([push.distance for push in pushes.push])),
+        theta=read_only(pushes.theta[kept]),
+        measured=measured,
+        predicted=predicted,
+        isotropic=isotropic,
+        quantities=_quantities(measured, predicted, sampled),
+        sampled=sampled,
     )
 
 
