@@ -245,13 +245,7 @@ def _cycles_asked(
         progress=part_of(report, 0, 2),
     )
     null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
-    summary: StaircaseSummary | None = None
-    uncertified: tuple[str, ...] = ()
-    try:
-        # What theory says of the map, or of the map at mid-run where it wears.
-        summary = predict_staircase(model.map_at(first + path.size // 2), model.noise)
-    except (ConvergenceError, InvalidInput) as error:
-        uncertified = (f"stable directions and visits: {error}",)
+    summary, uncertified = _theory(model, first + path.size // 2)
     zones = () if summary is None else summary.zones
     fixed = summary if isinstance(model.map, CircleMap) else None
     return Comparison(
@@ -263,3 +257,13 @@ def _cycles_asked(
         staircase=staircase_agreement(path, null, fixed, part_of(report, 1, 2)),
         uncertified=uncertified,
     )
+
+
+def _theory(model: CollectionModel, middle: int) -> tuple[StaircaseSummary | None, tuple[str, ...]]:
+    """What theory says of the map, or of that of the cycle at mid-run where it wears; and in words
+    what it cannot say.
+    """
+    try:
+        return predict_staircase(model.map_at(middle), model.noise), ()
+    except (ConvergenceError, InvalidInput) as error:
+        return None, (f"stable directions and visits: {error}",)
