@@ -173,18 +173,16 @@ def strategy_maps(
     True
     """
     computed: dict[CollectionLoop, CircleMap] = {}
-    loops = strategy.loops(loop)
-    for index, acted in enumerate(loops):
+    maps = list[CircleMap]()
+    for acted, action in zip(strategy.loops(loop), strategy.actions, strict=True):
         if acted not in computed:
             computed[acted] = acted.circle_map(tolerance)
-        part_of(progress, index, len(loops))(1.0)
-    maps = []
-    for acted, action in zip(loops, strategy.actions, strict=True):
         made = computed[acted]
         if action.turn != 0.0 and made.pieces is not None:
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
         maps.append(made)
+        part_of(progress, len(maps) - 1, len(strategy.actions))(1.0)
     return tuple(maps)
 
 

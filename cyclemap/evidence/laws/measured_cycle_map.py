@@ -464,13 +464,9 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     pairs = pairs.unbroken
     path = pairs.path
     cycle = pairs.path_cycle
-    if (
-        pairs.cycle is None
-        or path is None
-        or cycle is None
-        or fitted.wear is None
-        or np.any(np.diff(cycle) <= 0.0)
-    ):
+    if pairs.cycle is None or path is None or cycle is None or fitted.wear is None:
+        return None
+    if np.any(np.diff(cycle) <= 0.0):
         return None
     last = int(cycle[-1] - cycle[0])
     begin = int(np.searchsorted(cycle, cycle[0] + _WORN_IN * last))
