@@ -48,6 +48,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
+from cyclemap.evidence.identified_material import sampled_values
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
@@ -56,7 +57,6 @@ from cyclemap.evidence.pushes.measured_strokes import (
     selected,
     session_name,
 )
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.tables.columns import ENDS, RODS, known_columns
 from cyclemap.maps import LocalNoise, sample_staircases
 from cyclemap.mechanics import (
@@ -88,6 +88,9 @@ PLATES_PROVENANCE = (
 # Where the robot drags to.
 TARGET = (0.35, -0.03)
 RUNS = 100
+# Floors drawn from what the joint fit leaves open, and runs on each.
+DRAWS = 60
+RUNS_OF_DRAW = 10
 
 
 def folder() -> Path:
@@ -326,37 +329,60 @@ def staircase() -> None:
     for one in found.estimates:
         print(f"  {one.name} {one.value:.4g} ({one.lower:.4g} to {one.upper:.4g})")
     print("\n".join(found.notes))
-    material = identified_material(
-        found, "joint", ["pushes, drags and cycles"], plate="rect1", last_cycle=collected.last_cycle
+    robot = read_theta0_pairs(folder() / CYCLES).path
+    assert robot is not None
+    starts = np.full(RUNS, robot[0])
+    print_beside(
+        "of the likeliest floor", joint_runs(found, collected.last_cycle, starts, 0), robot
     )
-    run_beside_measured(material, read_theta0_pairs(folder() / CYCLES))
+    runs = []
+    for index, values in enumerate(sampled_values(found, DRAWS, seed=1)):
+        vector = np.array([values[name] for name in found.problem.space.names])
+        drawn = replace(found, fit=replace(found.fit, vector=vector))
+        # A floor at the edge of what is possible may not be able to make every cycle.
+        with suppress(ConvergenceError, UnsupportedContact):
+            runs.append(joint_runs(drawn, collected.last_cycle, starts[:RUNS_OF_DRAW], index))
+    print_beside(f"of {len(runs)} floors as likely", np.concatenate(runs), robot)
 
 
-def run_beside_measured(material: Material, pairs: Theta0Pairs) -> None:
-    """Run the loop on the floor as it was in the session of the cycles, with the noise that
-    `plywood-measured` has, and print how far its histogram of θ0 and its turns are from those of
-    the robot.
+def joint_runs(
+    found: Identification, last_cycle: float, starts: np.ndarray, seed: int
+) -> np.ndarray:
+    """Lifts of staircases (runs, cycles + 1) on the floor as it was in the session of the cycles,
+    with the noise that `plywood-measured` has.
     """
+    material = identified_material(
+        found, "joint", ["pushes, drags and cycles"], plate="rect1", last_cycle=last_cycle
+    )
     session = next(row for row in material.sessions if row.name.endswith(Path(CYCLES).stem))
     assert material.wear is not None and material.wear.floor is not None
     worn = material.wear.floor.bend + session.shape.bend - material.floor.bend
     wear = replace(material.wear, floor=SurfaceShape.of_bend(*worn.tolist()))
-    loop = CollectionLoop.mit(replace(material, floor=session.shape, wear=wear))
+    loop = CollectionLoop.mit(replace(material, floor=session.shape, wear=wear, posterior=None))
     noise = load_material("plywood-measured").noise
-    assert noise is not None and pairs.path is not None
+    assert noise is not None
     local = LocalNoise(noise.log_sigma, noise.correlation)
-    count = len(pairs.path) - 1
+    count = int(last_cycle) + 1
     drifting = drifting_map(loop, count, math.radians(0.05))
-    runs = sample_staircases(drifting, local, count, np.full(RUNS, pairs.path[0]), seed=0)
+    return sample_staircases(drifting, local, count, starts, seed=seed)
+
+
+def print_beside(title: str, runs: np.ndarray, robot: np.ndarray) -> None:
+    """Print how far histogram of θ0 and turns of the runs are from those of the robot, and how far
+    single runs are from their own mean histogram: no model can be expected nearer.
+    """
     for first, last in ((0, 500), (500, 1000), (1000, 1500), (1500, 2000), (500, 2000), (0, 2000)):
-        robot = pairs.path[first:last]
-        densities = [histogram_10_deg(run[first:last]) for run in runs]
-        off = 0.5 * np.abs(np.mean(densities, axis=0) - histogram_10_deg(robot)).sum()
-        turns = (runs[:, min(last, count - 1)] - runs[:, first]) / (2.0 * np.pi)
-        low, middle, high = np.quantile(turns, (0.05, 0.5, 0.95))
-        made = (robot[-1] - robot[0]) / (2.0 * np.pi)
-        print(f"pushes {first} to {last}: histogram {off:.2f} in total variation, ", end="")
-        print(f"{middle:.1f} turns ({low:.1f} to {high:.1f}), the robot's {made:.1f}")
+        end = min(last, len(robot) - 1)
+        densities = np.array([histogram_10_deg(run[first:last]) for run in runs])
+        mean = np.mean(densities, axis=0)
+        off = 0.5 * np.abs(mean - histogram_10_deg(robot[first:last])).sum()
+        own = np.median(0.5 * np.abs(densities - mean).sum(axis=1))
+        turns = (runs[:, end] - runs[:, first]) / (2.0 * np.pi)
+        low, middle, high = np.quantile(turns, (0.025, 0.5, 0.975))
+        made = (robot[end] - robot[first]) / (2.0 * np.pi)
+        print(f"{title}, pushes {first} to {last}: histogram {off:.3f} in total variation ", end="")
+        print(f"(a run's own {own:.3f}), {middle:.1f} turns ({low:.1f} to {high:.1f}), ", end="")
+        print(f"the robot's {made:.1f}")
 
 
 def histogram_10_deg(theta: np.ndarray) -> np.ndarray:
