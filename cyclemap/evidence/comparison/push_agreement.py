@@ -313,11 +313,10 @@ def within_error(bias: float, error: float | None, count: int, seen: float = 0.0
     """Whether a mean of ``count`` values, with the error of ``mean_error``, is 0 at the 5 % level,
     or below ``seen``.
 
-    The critical value grows with the share b of the values that the error's window spans: 1.96 +
-    2.9694 b + 0.4160 b²
-    - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window). Independent values or a lag
-    correlation of 0.4, from 20 values on: a mean of 0 is measured to be refused in 4.3 to 6.4 % of
-    cases.
+    The critical value grows with the share b of the values that the error's window spans:
+    1.96 + 2.9694 b + 0.4160 b² - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window).
+    Independent values or a lag correlation of 0.4, from 20 values on: a mean of 0 is measured to
+    be refused in 4.3 to 6.4 % of cases.
 
     >>> within_error(2.2, 1.0, 20), within_error(2.2, 1.0, 2000)
     (True, False)
