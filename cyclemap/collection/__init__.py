@@ -6,7 +6,7 @@ The loop
 CollectionLoop : the protocol: object, surface, rod, push, reset
 Cycle, CycleTrajectory, CycleSensitivity : one push and drag back, its course, its derivatives
 run_cycles, Cycles : many, as arrays or a frame
-worn_loop, drifting_map : on a surface that wears
+on_material, worn_loop, drifting_map : on another surface, or one that wears
 
 What it does
 ------------
@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     )
     from cyclemap.collection.loop_surfaces import (
         drifting_map as drifting_map,
+        on_material as on_material,
         worn_loop as worn_loop,
     )
     from cyclemap.collection.portrait import (

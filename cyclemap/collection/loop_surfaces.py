@@ -42,7 +42,7 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     >>> from dataclasses import replace
     >>> from cyclemap import CollectionLoop, load_material
     >>> from cyclemap.mechanics import FoundWith
-    >>> from cyclemap.resets import on_material
+    >>> from cyclemap.collection import on_material
     >>> found = FoundWith(pusher_friction=0.2)
     >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
     >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction

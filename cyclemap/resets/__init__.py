@@ -13,7 +13,7 @@ Designing one
 -------------
 design_reset, ResetDesign, ResetRow : the strategies to choose from, the best first
 ResetDemands, Limit : what it must keep to, and which demand binds
-material_range, MaterialRange, on_material : the surfaces it must work on
+material_range, MaterialRange : the surfaces it must work on
 orientation_law, OrientationLaw : how orientations are distributed, at once and after n pushes
 histogram_shares, histogram_distances, independent_distance : how uniform a histogram is, and would
     be by chance
@@ -33,7 +33,6 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.collection.loop_surfaces import on_material as on_material
     from cyclemap.protocol.strategy import (
         CycleAction as CycleAction,
         ResetStrategy as ResetStrategy,

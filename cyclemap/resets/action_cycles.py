@@ -17,7 +17,7 @@ from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
@@ -173,19 +173,16 @@ def strategy_maps(
     True
     """
     computed: dict[CollectionLoop, CircleMap] = {}
-    loops = strategy.loops(loop)
-    report = progress or (lambda fraction: None)
-    for count, acted in enumerate(loops, 1):
+    maps = list[CircleMap]()
+    for acted, action in zip(strategy.loops(loop), strategy.actions, strict=True):
         if acted not in computed:
             computed[acted] = acted.circle_map(tolerance)
-        report(count / len(loops))
-    maps = []
-    for acted, action in zip(loops, strategy.actions, strict=True):
         made = computed[acted]
         if action.turn != 0.0 and made.pieces is not None:
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
         maps.append(made)
+        part_of(progress, len(maps) - 1, len(strategy.actions))(1.0)
     return tuple(maps)
 
 

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.turn_bins import covered_arcs
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
-from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.evidence.tables.conventions import written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, part_of
 from cyclemap.resets.bias_monitor import BiasMonitor, BiasReport
 from cyclemap.written import DIRECTION
 
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 LEAST_WORTH = 0.5
 FEWEST = 10
 _NEAR = np.radians(10.0)
-# Pushes alike in these are of one set.
-_ALIKE = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +128,8 @@ class Audit:
         start = self.locked_from
         if alarm is None or start is None:
             return 0.0
-        away = [
-            np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta))))
-            for theta in alarm.directions
-        ]
-        return float(np.mean(np.min(away, axis=0) < _NEAR))
+        away = shorter_way(np.subtract.outer(self.theta[start:], alarm.directions))
+        return float(np.mean(np.abs(away).min(axis=1) < _NEAR))
 
     @property
     def is_good(self) -> bool:
@@ -197,10 +192,9 @@ def audit(
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor = BiasMonitor()
     reports = []
-    for done, angle in enumerate(theta.tolist(), 1):
+    for index, angle in enumerate(theta.tolist()):
         reports.append(monitor.update(angle))
-        if progress is not None:
-            progress(done / theta.size)
+        part_of(progress, index, theta.size)(1.0)
     return Audit(
         Path(name).name,
         monitor.path,
@@ -228,7 +222,7 @@ def _largest_set(
         why = "".join(f": {file.path}: {file.reason}" for file in pushes.unreadable[:1])
         raise InvalidInput(f"{data}: no push with an orientation in it{why}")
     check_pushes(pushes, loop)
-    sets = table.groupby(_ALIKE, dropna=False, sort=False)
+    sets = table.groupby([*SET_FACTS], dropna=False, sort=False)
     rows = max((rows for _, rows in sets), key=len)
     numbers = rows["repetition"]
     numbered = bool(numbers.notna().all()) and numbers.nunique() == len(rows)

@@ -11,10 +11,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
+from cyclemap.evidence.laws.turn_bins import bin_index
 from cyclemap.maps import CircleMap
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
@@ -81,7 +82,7 @@ class Crowding:
 
     def add(self, theta: Array) -> None:
         """Record a direction of each collection, (runs,) rad."""
-        for row, cell in zip(self.crowding, _cell(theta).tolist(), strict=True):
+        for row, cell in zip(self.crowding, bin_index(theta, CELLS).tolist(), strict=True):
             row += self._kernel[CELLS - cell : 2 * CELLS - cell]
 
     def at(self, theta: Array) -> Array:
@@ -89,13 +90,8 @@ class Crowding:
         before any.
         """
         mean = self.crowding.mean(axis=1)
-        crowding = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
+        crowding = self.crowding[np.arange(len(self.crowding)), bin_index(theta, CELLS)]
         return np.asarray(crowding / np.where(mean > 0.0, mean, 1.0))
-
-
-def _cell(theta: ArrayLike) -> Whole:
-    cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(np.int64)
-    return np.minimum(cells, CELLS - 1)
 
 
 class Coverage:
@@ -146,9 +142,10 @@ class Coverage:
         """Record the direction ``theta`` (rad, any number of turns)."""
         place = theta % TWO_PI
         distance = np.abs(shorter_way(_CENTRES - place))
-        self._visited[_cell(place)] = True
+        visit = np.array([place])
+        self._visited[bin_index(visit, CELLS)] = True
         self._covered |= distance <= REACH
-        self.crowding.add(np.array([place]))
+        self.crowding.add(visit)
         column = self._last = _columns(place)
         pulled = self._inverse @ column
         gain = 1.0 + float(column @ pulled)

@@ -15,7 +15,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 from cyclemap.resets.action_cycles import (
     SampledTurns,
@@ -274,7 +274,7 @@ def design_reset(
     cyclemap.errors.InvalidInput: sigma must be positive, not -1.0
     """
     wanted = demands or ResetDemands()
-    report = progress or (lambda done: None)
+    report = part_of(progress, 0, 1)
     report(0.0)
     about = range_of(loop.material, materials)
     nominal = replace(loop, material=about.nominal)
@@ -285,14 +285,14 @@ def design_reset(
     rows, course = _assessed(judge, _roles(picks, given), report)
     binding = binding if rows[0].misses else ()
     return ResetDesign(
-        loop,
-        sigma,
-        wanted,
-        about,
-        rows,
-        not binding and not rows[0].misses,
-        binding,
-        independent_distance(wanted.pushes),
+        loop=loop,
+        sigma=sigma,
+        demands=wanted,
+        about=about,
+        rows=rows,
+        met=not binding and not rows[0].misses,
+        binding=binding,
+        independent=independent_distance(wanted.pushes),
         **course,
     )
 
@@ -385,17 +385,19 @@ class _Judge:
         within = self.demands.within
         return [orientation_law(turn, strategy, self.sigma, within, modes) for turn in turns]
 
-    def worst(self, values: Sequence[float]) -> tuple[float, int]:
-        """The worst of the values on all materials, and of which it is."""
-        where = self.about.worst(np.array(values))
-        return float(values[where]), where
+    def worst(self, laws: Sequence[OrientationLaw]) -> tuple[float, float, int]:
+        """The worst distances from uniform of the laws on all materials, in the long run and after
+        some pushes, and the material of the latter.
+        """
+        long_run = np.array([law.total_variation for law in laws])
+        after = np.array([law.after for law in laws])
+        where = self.about.worst(after)
+        return float(long_run[self.about.worst(long_run)]), float(after[where]), where
 
     def is_kept_by(self, strategy: ResetStrategy) -> bool:
         """Whether it is as uniform as is demanded."""
         turns = self.sampled(strategy).refined(_REFINED)
-        laws = self.laws(strategy, turns, _ENOUGH_MODES // 2)
-        tv, _ = self.worst([law.total_variation for law in laws])
-        after, _ = self.worst([law.after for law in laws])
+        tv, after, _ = self.worst(self.laws(strategy, turns, _ENOUGH_MODES // 2))
         return tv <= self.demands.allow_tv and after <= self.demands.allow_after
 
     def row(self, strategy: ResetStrategy, roles: Sequence[str], cycles: SampledTurns) -> ResetRow:
@@ -403,28 +405,27 @@ class _Judge:
         turns = cycles.refined(_REFINED)
         (nominal,) = self.laws(strategy, turns[:1], None)
         others = self.laws(strategy, turns[1:], min(nominal.modes, _ENOUGH_MODES))
-        tv, _ = self.worst([law.total_variation for law in (nominal, *others)])
-        after, where = self.worst([law.after for law in (nominal, *others)])
+        tv, after, where = self.worst((nominal, *others))
         costs = self.costs(strategy, cycles)
         histogram, worst_histogram = self.distances(strategy, turns)
         values = {**costs, TV: tv, AFTER: after}
         if worst_histogram[0] <= independent_distance(self.demands.pushes):
             values = costs
         return ResetRow(
-            tuple(roles),
-            strategy,
-            nominal,
-            tv,
-            after,
-            self.about.materials[where],
-            costs[DRAG],
-            costs[SECONDS],
-            costs[REACH],
-            costs[CONTACT],
-            histogram,
-            worst_histogram,
-            self.misses(values),
-            tuple(need for need in strategy.needs if need not in self.demands.abilities),
+            roles=tuple(roles),
+            strategy=strategy,
+            nominal=nominal,
+            worst=tv,
+            worst_after=after,
+            worst_material=self.about.materials[where],
+            drag=costs[DRAG],
+            seconds=costs[SECONDS],
+            room=costs[REACH],
+            contact=costs[CONTACT],
+            histogram=histogram,
+            worst_histogram=worst_histogram,
+            misses=self.misses(values),
+            lacking=tuple(need for need in strategy.needs if need not in self.demands.abilities),
         )
 
     def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
@@ -496,7 +497,7 @@ class _Judge:
         geometric mean kept.
         """
         nominal = self.about.nominal
-        law = self.about.nominal.friction
+        law = nominal.friction
         roots = np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
         bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
         stretched = [replace(nominal, friction=friction) for friction in bent]

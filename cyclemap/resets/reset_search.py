@@ -247,11 +247,8 @@ def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candi
     tv = np.zeros(len(shares))
     after = np.zeros(len(shares))
     for kernels in source.kernels:
-        for rows in (
-            np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE))
-            if len(shares)
-            else ()
-        ):
+        for begin in range(0, len(shares), _AT_ONCE):
+            rows = slice(begin, begin + _AT_ONCE)
             mixed = np.tensordot(shares[rows], kernels, axes=1)
             tv[rows] = np.maximum(
                 tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0)

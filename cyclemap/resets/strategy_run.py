@@ -14,7 +14,8 @@ from cyclemap.arrays import TWO_PI, Array, Whole, nodes_around
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import worn_loop
-from cyclemap.progress import Progress
+from cyclemap.evidence.laws.turn_bins import bin_shares
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.strategy import ResetStrategy
 from cyclemap.resets.coverage import Crowding
 
@@ -106,7 +107,6 @@ def run_strategy(
     chosen = drawn_actions(strategy, count, many, seed)
     kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
     turns = np.array([action.turn for action in strategy.actions])
-    report = progress or (lambda fraction: None)
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
@@ -116,7 +116,7 @@ def run_strategy(
         doing = chosen[:, cycle]
         ran = run_cycles([today[action] for action in doing.tolist()], theta[:, cycle, None])
         theta[:, cycle + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, cycle]
-        report((cycle + 1) / count)
+        part_of(progress, cycle, count)(1.0)
     return StrategyRun(read_only(theta), chosen)
 
 
@@ -276,11 +276,7 @@ def histogram_shares(theta: Array) -> Array:
     >>> histogram_shares(np.radians([[5.0, 6.0, 15.0, -5.0]]))[0, [0, 1, 35]].tolist()
     [0.5, 0.25, 0.25]
     """
-    cells = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
-    counts = np.bincount(
-        (cells + BINS * np.arange(len(cells))[:, None]).ravel(), minlength=BINS * len(cells)
-    )
-    return np.asarray(counts.reshape(len(cells), BINS) / theta.shape[-1])
+    return bin_shares(theta, BINS)
 
 
 def histogram_distances(shares: Array) -> Array:

@@ -18,7 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from cyclemap.collection import CollectionLoop
+from cyclemap.collection import CollectionLoop, on_material
 from cyclemap.mechanics import Material, Polygon, material_names
 from cyclemap.protocol import loop_from_settings
 from cyclemap.protocol.own_object import first_settings, within_reach
@@ -27,7 +27,6 @@ from cyclemap.resets import (
     design_reset,
     histogram_distances,
     histogram_shares,
-    on_material,
     orientation_law,
     run_strategy,
     sample_turns,

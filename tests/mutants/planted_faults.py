@@ -565,8 +565,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "return PValue(reached / (null.size + 1)",
             ),
             (
-                "distances = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
-                "distances = np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+                "np.asarray(0.5 * np.sum(np.abs(shares - against), axis=-1))",
+                "np.asarray(np.sum(np.abs(shares - against), axis=-1))",
             ),
             (
                 "median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]",
@@ -868,7 +868,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
                 "own.worst_histogram[0] > rows[0].worst_histogram[0]\n",
             ),
-            ("where = self.about.worst(np.array(values))", "where = int(np.argmin(values))"),
+            ("where = self.about.worst(after)", "where = int(np.argmin(after))"),
         ],
     ),
     "resets/reset_ranking.py": (

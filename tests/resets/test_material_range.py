@@ -10,8 +10,9 @@ import pytest
 from refusals import refused
 
 import cyclemap as cm
+from cyclemap.collection import on_material
 from cyclemap.mechanics import FoundWith, MaterialPosterior, PlatePressure
-from cyclemap.resets import MaterialRange, material_range, on_material
+from cyclemap.resets import MaterialRange, material_range
 
 PLYWOOD = cm.load_material("plywood")
 

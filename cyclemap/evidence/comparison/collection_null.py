@@ -397,14 +397,14 @@ def collection_p_values(
     known = ensemble or simulated_ensemble(model, float(path[0]), path.size, size, first_seed + 1)
     paths = model.paths(float(path[0]), path.size, count, first_seed)
 
-    def values(some: Array, against: Ensemble) -> dict[str, Array]:
+    def values(collections: Array, against: Ensemble) -> dict[str, Array]:
         measured = {}
         for name, measure in chosen.items():
-            measured[name] = finite_array("the statistic's values", measure(some, against))
-            if measured[name].shape != (len(some),):
+            measured[name] = finite_array("the statistic's values", measure(collections, against))
+            if measured[name].shape != (len(collections),):
                 raise InvalidInput(
-                    f"the statistic gave shape {measured[name].shape} for {len(some)} paths: give one "
-                    "value a path"
+                    f"the statistic gave shape {measured[name].shape} for {len(collections)} "
+                    "paths: give one value a path"
                 )
         return measured
 

@@ -83,11 +83,11 @@ class Comparison:
 
     prediction: CollectionModel
     data: CollectionData
-    pushes: tuple[PushAgreement, ...]
-    cycle: CycleAgreement | None
-    orientations: OrientationAgreement | None
-    directions: DirectionAgreement | None
-    staircase: StaircaseAgreement | None
+    pushes: tuple[PushAgreement, ...] = ()
+    cycle: CycleAgreement | None = None
+    orientations: OrientationAgreement | None = None
+    directions: DirectionAgreement | None = None
+    staircase: StaircaseAgreement | None = None
     uncertified: tuple[str, ...] = ()
 
     @property
@@ -224,12 +224,11 @@ def _cycles_asked(
     from it.
     """
     pairs = data.pairs
-    empty = Comparison(model, data, (), None, None, None, None)
     if pairs is None:
-        return empty
+        return Comparison(model, data)
     path = pairs.path
     if path is None or pairs.path_cycle is None or path.size < SHORTEST_COLLECTION:
-        return replace(empty, cycle=cycle_agreement(model, data.loop, pairs))
+        return Comparison(model, data, cycle=cycle_agreement(model, data.loop, pairs))
     first = int(pairs.path_cycle[0])
     start = float(path[0])
     uncertain = replace(model, first=first)
@@ -246,20 +245,25 @@ def _cycles_asked(
         progress=part_of(report, 0, 2),
     )
     null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
-    summary: StaircaseSummary | None = None
-    uncertified: tuple[str, ...] = ()
-    try:
-        # What theory says of the map, or of the map at mid-run where it wears.
-        summary = predict_staircase(model.map_at(first + path.size // 2), model.noise)
-    except (ConvergenceError, InvalidInput) as error:
-        uncertified = (f"stable directions and visits: {error}",)
+    summary, uncertified = _theory(model, first + path.size // 2)
     zones = () if summary is None else summary.zones
     fixed = summary if isinstance(model.map, CircleMap) else None
-    return replace(
-        empty,
+    return Comparison(
+        model,
+        data,
         cycle=cycle_agreement(model, data.loop, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, zones, ensemble, null),
         staircase=staircase_agreement(path, null, fixed, part_of(report, 1, 2)),
         uncertified=uncertified,
     )
+
+
+def _theory(model: CollectionModel, middle: int) -> tuple[StaircaseSummary | None, tuple[str, ...]]:
+    """What theory says of the map, or of that of the cycle at mid-run where it wears; and in words
+    what it cannot say.
+    """
+    try:
+        return predict_staircase(model.map_at(middle), model.noise), ()
+    except (ConvergenceError, InvalidInput) as error:
+        return None, (f"stable directions and visits: {error}",)

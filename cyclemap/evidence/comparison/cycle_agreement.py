@@ -28,6 +28,7 @@ from cyclemap.evidence.laws.turn_bins import (
     MapAgreement,
     TurnBins,
     angle_histogram,
+    root_mean_square,
     turn_bins,
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
@@ -100,23 +101,23 @@ def cycle_agreement(
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
-    over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
     # How well the material's parameters fix the mean: its standard deviation over the samples.
     model_error = float(np.std(np.mean(sampled, axis=1), ddof=1)) if sampled else 0.0
-    isotropic = None
+    isotropic_rms = None
     if isinstance(loop, CollectionLoop):
         with suppress(UnsupportedContact):
             # On a surface without direction the turn of a cycle is one for all θ0.
             isotropic = replace(isotropic_twin(loop), footprint=None).cycle(0.0).theta_next
+            isotropic_rms = root_mean_square(pairs.turn - isotropic)
     turn = quantity_agreement("turn", pairs.turn, predicted, model_error)
     return CycleAgreement(
-        agreement=MapAgreement(off.size, turn.rmse, medians.median.size, over_bins),
+        agreement=MapAgreement(
+            off.size, turn.rmse, medians.median.size, root_mean_square(medians.median)
+        ),
         off=read_only(off),
         bins=turn_bins(pairs),
         turn=turn,
-        isotropic_rms=None
-        if isotropic is None
-        else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
+        isotropic_rms=isotropic_rms,
         scatter=None if best is None else best.sigma,
         noise=float(np.sqrt(model.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,

@@ -17,6 +17,7 @@ from cyclemap.errors import ConvergenceError, UnsupportedContact
 from cyclemap.evidence.comparison.collection_data import PosedSet
 from cyclemap.evidence.comparison.collection_null import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
+from cyclemap.evidence.laws.push_sets import QUANTITIES
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
 from cyclemap.evidence.tables.columns import Row
 from cyclemap.mechanics import QuasiStaticModel
@@ -24,7 +25,6 @@ from cyclemap.mechanics.trajectory import Course
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import NUMBER, UNWRITTEN
 
-QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
 FEWEST = 3
 # A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is
@@ -197,12 +197,16 @@ def _agreement(pushes: PosedSet, moved: Array, sampled: Array | None) -> PushAgr
     isotropic.
     """
     kept = np.isfinite(moved).all(axis=(0, 2))
-    columns = (pushes.theta, pushes.motion, *moved)
-    theta, measured, predicted, isotropic = (read_only(column[kept]) for column in columns)
-    length = float(np.median([push.distance for push in pushes.push]))
-    quantities = _quantities(measured, predicted, sampled)
+    measured, predicted, isotropic = (read_only(motion[kept]) for motion in (pushes.motion, *moved))
     return PushAgreement(
-        pushes.facts, length, theta, measured, predicted, isotropic, quantities, sampled
+        facts=pushes.facts,
+        length=float(np.median([push.distance for push in pushes.push])),
+        theta=read_only(pushes.theta[kept]),
+        measured=measured,
+        predicted=predicted,
+        isotropic=isotropic,
+        quantities=_quantities(measured, predicted, sampled),
+        sampled=sampled,
     )
 
 
@@ -309,11 +313,10 @@ def within_error(bias: float, error: float | None, count: int, seen: float = 0.0
     """Whether a mean of ``count`` values, with the error of ``mean_error``, is 0 at the 5 % level,
     or below ``seen``.
 
-    The critical value grows with the share b of the values that the error's window spans: 1.96 +
-    2.9694 b + 0.4160 b²
-    - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window). Independent values or a lag
-    correlation of 0.4, from 20 values on: a mean of 0 is measured to be refused in 4.3 to 6.4 % of
-    cases.
+    The critical value grows with the share b of the values that the error's window spans:
+    1.96 + 2.9694 b + 0.4160 b² - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window).
+    Independent values or a lag correlation of 0.4, from 20 values on: a mean of 0 is measured to
+    be refused in 4.3 to 6.4 % of cases.
 
     >>> within_error(2.2, 1.0, 20), within_error(2.2, 1.0, 2000)
     (True, False)

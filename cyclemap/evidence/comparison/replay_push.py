@@ -331,13 +331,13 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.
         for poses in (measured, predicted)
     ]
     return Replay(
-        record.object_pose[:, 0],
-        measured,
-        predicted,
-        travel,
-        tip,
-        shift,
-        model.slider.outline_points(),
+        time=record.object_pose[:, 0],
+        measured=measured,
+        predicted=predicted,
+        travel=travel,
+        tip=tip,
+        shift=shift,
+        outline=model.slider.outline_points(),
         start_gap=rod_gap(model, start, first)[0],
         straightness=straightness,
         strokes=len(corners) - 1,

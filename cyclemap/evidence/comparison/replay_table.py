@@ -315,20 +315,21 @@ class _Replayer:
 
     def __init__(self, loop: CollectionLoop) -> None:
         self.loop = replace(loop, accuracy=ACCURACY)
-        self.sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
+        own = file_stem(loop.slider.name)
+        known = dataset_sliders()
+        # A table of one's own object need not name it.
+        self.of_tables = None if own in known else own
+        self.sliders = {**known, own: loop.slider}
         self.models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
 
     def replayed(self, push: Row) -> tuple[Row, Replay]:
         """Return the row of a push, a row of `PushTable.table`, and its replay; raises
         CycleMapError where there is none.
         """
-        own = file_stem(self.loop.slider.name)
         material = self.loop.material
-        is_table = str(push["path"]).lower().endswith(CSV_SUFFIX)
-        if is_table and not isinstance(push["object"], str) and own not in dataset_sliders():
-            # A table of one's own object need not name it.
-            push = {**push, "object": own}
         name = push["object"]
+        if not isinstance(name, str) and str(push["path"]).lower().endswith(CSV_SUFFIX):
+            name = self.of_tables
         if not isinstance(name, str):
             raise InvalidInput(
                 "its name does not say which object was pushed: it is not of the MIT layout"
@@ -351,7 +352,7 @@ class _Replayer:
             "isotropic_turn_error": float(beside.turn_error[-1]),
         }
         facts = {column: push[column] for column in (*_FACTS, "path")}
-        return {**facts, **replay.summary(), **isotropic}, replay
+        return {**facts, "object": name, **replay.summary(), **isotropic}, replay
 
 
 def _record(push: Row, origin: Place) -> PushRecord:

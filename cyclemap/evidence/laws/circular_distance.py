@@ -15,7 +15,7 @@ from scipy.interpolate import PPoly
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.turn_bins import bin_index
+from cyclemap.evidence.laws.turn_bins import bin_shares
 from cyclemap.maps.operator.transfer_operator import peaks_of
 from cyclemap.written import NUMBER
 
@@ -281,17 +281,11 @@ def total_variation(
     0.5
     """
     if not isinstance(law, CircularLaw):
-        pair = _two_samples(sample, law)
-        first, second = (
-            np.bincount(bin_index(own, bins), minlength=bins) / own.size for own in pair
-        )
-        return np.asarray(0.5 * np.sum(np.abs(first - second)))[()]
-    angles = orientations("sample", sample)
-    rows = bin_index(angles, bins).reshape(-1, angles.shape[-1])
-    flat = rows + bins * np.arange(len(rows))[:, None]
-    shares = np.bincount(flat.ravel(), minlength=len(rows) * bins).reshape(-1, bins) / rows.shape[1]
-    distances = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)
-    return np.asarray(distances).reshape(angles.shape[:-1])[()]
+        shares, against = (bin_shares(own, bins) for own in _two_samples(sample, law))
+    else:
+        shares = bin_shares(orientations("sample", sample), bins)
+        against = law.bin_probabilities(bins)
+    return np.asarray(0.5 * np.sum(np.abs(shares - against), axis=-1))[()]
 
 
 @dataclass(frozen=True, eq=False)

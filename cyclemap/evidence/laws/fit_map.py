@@ -181,7 +181,13 @@ def fit_worn_law(
     degrees = candidate_orders("degree", degree, MAX_WEAR_DEGREE)
     polynomials = _polynomials(cycles, first, last, max(degrees))
     fit, log_variance, order, power, errors = fit_series(
-        angles, values, polynomials, orders, degrees, noise_harmonics, seed
+        angles,
+        values,
+        polynomials,
+        orders=orders,
+        degrees=degrees,
+        noise_harmonics=noise_harmonics,
+        seed=seed,
     )
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)

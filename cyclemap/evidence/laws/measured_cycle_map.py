@@ -337,29 +337,33 @@ def measured_cycle_map(
     part_of(progress, 0, 2)(1.0)
     forecast = _forecast(pairs, fitted, whole_number("runs", runs, least=2), seed)
     part_of(progress, 1, 2)(1.0)
-    # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees
-    # of each place.
-    worn = fitted.wear
     seen = is_covered(pairs.theta, _AROUND)
-    off = pairs.turn - fitted.law(pairs.theta)
-    if worn is not None and pairs.cycle is not None:
-        off = pairs.turn - worn.turns(pairs.theta, pairs.cycle)
-    # Place by place: all at once takes gigabytes of a long log.
-    near = (off[np.abs(shorter_way(place - pairs.theta)) <= _MISFIT_REACH] for place in _AROUND)
-    sums = np.array([(about.size, np.sum(about), np.dot(about, about)) for about in near])
-    crowd = sums[:, 0].astype(np.int64)
-    bias = sums[:, 1] / np.maximum(crowd, 1)
+    crowd, bias, square = _residuals_around(pairs, fitted)
     # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
     # crowds count.
     crowded = np.flatnonzero(seen & (crowd > 0))
     crowded = crowded[crowd[crowded] >= min(_CROWD, int(np.max(crowd[crowded])))]
-    size = np.sqrt(sums[crowded, 2] / crowd[crowded])
+    size = np.sqrt(square[crowded])
     quietest, loudest = (
         ScatterPlace(float(_AROUND[crowded[k]]), float(size[k]))
         for k in (np.argmin(size), np.argmax(size))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
+
+
+def _residuals_around(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[Whole, Array, Array]:
+    """How many pairs lie within 10 degrees of each place around, the mean of their residuals, each
+    beside the law of its own cycle, and of the squares of these; 0 without any.
+    """
+    off = pairs.turn - fitted.law(pairs.theta)
+    if fitted.wear is not None and pairs.cycle is not None:
+        off = pairs.turn - fitted.wear.turns(pairs.theta, pairs.cycle)
+    # Place by place: all at once takes gigabytes of a long log.
+    near = (off[np.abs(shorter_way(place - pairs.theta)) <= _MISFIT_REACH] for place in _AROUND)
+    count, total, square = np.array([(own.size, np.sum(own), np.dot(own, own)) for own in near]).T
+    most = np.maximum(count, 1.0)
+    return count.astype(np.int64), total / most, square / most
 
 
 def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: Whole) -> MapState:
@@ -460,13 +464,9 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     pairs = pairs.unbroken
     path = pairs.path
     cycle = pairs.path_cycle
-    if (
-        pairs.cycle is None
-        or path is None
-        or cycle is None
-        or fitted.wear is None
-        or np.any(np.diff(cycle) <= 0.0)
-    ):
+    if pairs.cycle is None or path is None or cycle is None or fitted.wear is None:
+        return None
+    if np.any(np.diff(cycle) <= 0.0):
         return None
     last = int(cycle[-1] - cycle[0])
     begin = int(np.searchsorted(cycle, cycle[0] + _WORN_IN * last))

@@ -338,7 +338,13 @@ def fit_periodic_law(
     angles, values = paired_arrays("value", theta, value)
     orders = candidate_orders("harmonics", harmonics, max_harmonics)
     fit, log_variance, _, _, errors = fit_series(
-        angles, values, np.ones((values.size, 1)), orders, [0], noise_harmonics, seed
+        angles,
+        values,
+        np.ones((values.size, 1)),
+        orders=orders,
+        degrees=[0],
+        noise_harmonics=noise_harmonics,
+        seed=seed,
     )
     return law_of(fit, log_variance, values, None if errors is None else read_only(errors[0]))
 
@@ -362,6 +368,7 @@ def fit_series(
     angles: Array,
     values: Array,
     polynomials: Array,
+    *,
     orders: list[int],
     degrees: list[int],
     noise_harmonics: int | None,

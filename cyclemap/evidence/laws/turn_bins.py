@@ -4,6 +4,7 @@ map.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -137,6 +138,11 @@ class MapAgreement:
     bin_rms: float = field(metadata=ANGLE)
 
 
+def root_mean_square(values: Array) -> float:
+    """The root mean square of values (n,); NaN without any."""
+    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
+
+
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
     """Return the median turn of pairs in equal bins of θ0 over [0, 2π).
 
@@ -191,8 +197,18 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     """
     if theta.size == 0:
         raise InvalidInput("no direction to make a histogram of; give at least one")
-    count = np.bincount(bin_index(theta, bins), minlength=bins)
-    return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
+    density = bin_shares(theta, bins) * (bins / TWO_PI)
+    return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), density)
+
+
+def bin_shares(theta: Array, bins: int) -> Array:
+    """The shares (..., bins) of angles (..., n), rad, any turn, in equal bins over [0, 2π)."""
+    cells = bin_index(theta, bins)
+    rows = cells.reshape(-1, cells.shape[-1])
+    # Bins of their own for each row, so that all are counted at once.
+    own = rows + bins * np.arange(len(rows))[:, None]
+    counts = np.bincount(own.ravel(), minlength=bins * len(rows))
+    return np.asarray(counts.reshape(*cells.shape[:-1], bins) / cells.shape[-1])
 
 
 def bin_index(theta: Array, bins: int) -> Whole:
@@ -261,9 +277,7 @@ def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> Meas
     0.0
     """
     bins = turn_bins(pairs)
-    off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)
-    rms, bin_rms = (
-        float(np.sqrt(np.mean(one**2))) if one.size else np.nan for one in (off, bin_off)
-    )
+    rms = root_mean_square(pairs.turn - turn(pairs.theta))
+    bin_rms = root_mean_square(bins.median - turn(bins.centre))
     agreement = MapAgreement(pairs.theta.size, rms, bins.centre.size, bin_rms)
     return MeasuredOverlay(pairs, bins, angle_histogram(pairs.theta), agreement)
