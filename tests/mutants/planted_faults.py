@@ -632,6 +632,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "covariance = sandwich + by_weights + believed.T @ believed",
                 "covariance = sandwich + by_weights",
             ),
+            (
+                "spent += np.sum(share[is_belief] ** 2 / redundancy[is_belief], axis=0)",
+                "spent += 0.0",
+            ),
             ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
         ],
     ),

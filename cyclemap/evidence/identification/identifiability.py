@@ -60,24 +60,28 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     seen = values > _RANK * np.max(values, initial=0.0)
     inverse = vectors[:, seen] / values[seen] @ vectors[:, seen].T
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
-    by_weights, freedom = _kind_variance(jacobian, inverse, kinds, fit.known)
+    by_weights, share, redundancy = _kind_variance(jacobian, inverse, kinds, fit.known)
     by_weights /= law.information
     is_given = bool(np.all(fit.known[kinds]))
     if is_given or len(np.unique(problem.groups)) == len(problem.groups):
         covariance = inverse / law.information + 2.0 * by_weights
+        freedom = _degrees(np.sum(share, axis=0) ** 2, np.sum(share**2 / redundancy, axis=0))
     else:
         scaled = fit.residuals / fit.noise[kinds]
         # A belief counts by its deviation, which is known, not by how far off it happened to be.
         belief = np.isin(problem.kinds, BELIEF_KINDS)
         errors = (law.weight(scaled**2) * scaled / law.information)[~belief]
-        sandwich, freedom = _grouped_variance(
+        sandwich, of_groups = _grouped_variance(
             jacobian[~belief], errors, inverse, problem.groups[~belief]
         )
         believed = jacobian[belief] @ inverse
         covariance = sandwich + by_weights + believed.T @ believed
-        # What is known has no end of freedom (Satterthwaite 1946).
-        share = np.diag(sandwich + by_weights) / np.maximum(np.diag(covariance), 1e-300)
-        freedom = _degrees(freedom, share**2)
+        # Each adds its variance's square over its freedom (Satterthwaite 1946); a belief of known
+        # width has no end of freedom, sessions have as much as tells how they differ.
+        is_belief = np.isin(problem.kind_names, BELIEF_KINDS)
+        spent = np.diag(sandwich + by_weights) ** 2 / of_groups
+        spent += np.sum(share[is_belief] ** 2 / redundancy[is_belief], axis=0)
+        freedom = _degrees(np.diag(covariance) ** 2, spent)
     error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     outer = np.outer(error, error)
     return Uncertainty(
@@ -95,14 +99,13 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
 
 def _kind_variance(
     jacobian: Array, inverse: Array, kinds: Labels, known: Mask
-) -> tuple[Array, Array]:
-    """Covariance (k, k) that comes on top because the weights of the kinds are estimated, and each
-    one's freedom (k,).
+) -> tuple[Array, Array, Array]:
+    """Covariance (k, k) that comes on top because the weights of the kinds are estimated; what each
+    kind adds to the variances (kinds, k), and its redundancy (kinds, 1), its degrees of freedom.
 
     To first order the sum over kinds of 2 / redundancy times inverse (A - A inverse A) inverse, A
     the kind's part of jacobian^T jacobian (Kackar & Harville 1984); the inverse information itself
-    is too small by as much again (Kenward & Roger 1997). Freedom: (sum c)^2 / sum(c^2 /
-    redundancy), c what a kind adds to the variance (Satterthwaite 1946).
+    is too small by as much again (Kenward & Roger 1997).
     """
     leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
     redundancy = np.where(known, np.inf, np.maximum(np.bincount(kinds, 1.0 - leverage), 0.1))
@@ -113,9 +116,7 @@ def _kind_variance(
         square = own.T @ own
         total += 2.0 / rest * (square - own.T @ jacobian[kinds == kind] @ square)
         share[kind] = np.diag(square)
-    return total, _degrees(
-        np.sum(share, axis=0) ** 2, np.sum(share**2 / redundancy[:, None], axis=0)
-    )
+    return total, share, redundancy[:, None]
 
 
 def _grouped_variance(
