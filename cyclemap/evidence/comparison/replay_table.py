@@ -28,7 +28,7 @@ from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row, Selection
 from cyclemap.evidence.tables.conventions import convention_of
-from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
+from cyclemap.evidence.tables.data_kinds import is_csv
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -324,8 +324,11 @@ class _Replayer:
         """
         own = file_stem(self.loop.slider.name)
         material = self.loop.material
-        is_table = str(push["path"]).lower().endswith(CSV_SUFFIX)
-        if is_table and not isinstance(push["object"], str) and own not in dataset_sliders():
+        if (
+            is_csv(push["path"])
+            and not isinstance(push["object"], str)
+            and own not in dataset_sliders()
+        ):
             # A table of one's own object need not name it.
             push = {**push, "object": own}
         name = push["object"]
