@@ -454,10 +454,10 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
     """A table of ours, or the pushes of files in the MIT layout, as CSV in our convention."""
     from cyclemap.evidence.pushes.push_table import load_pushes
     from cyclemap.evidence.tables.columns import known_columns, our_names, our_text
-    from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
+    from cyclemap.evidence.tables.data_kinds import is_csv
     from cyclemap.text_files import read_csv_table
 
-    if data.suffix.lower() == CSV_SUFFIX and data.is_file():
+    if is_csv(data) and data.is_file():
         table = read_csv_table(data)
         rows = convention.rows(known_columns(table))
         return our_text({name: rows[name] for name in our_names(table.header)})

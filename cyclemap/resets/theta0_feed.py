@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,13 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.recordings import PushRecord
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
-from cyclemap.evidence.tables.data_kinds import SUFFIXES, FileKind, file_kind, tells_radians_alone
+from cyclemap.evidence.tables.data_kinds import (
+    SUFFIXES,
+    FileKind,
+    file_kind,
+    is_record,
+    tells_radians_alone,
+)
 from cyclemap.evidence.tables.own_tables import read_orientations
 from cyclemap.resets.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import UNFINISHED_SUFFIX, csv_table, decoded, read_bytes
@@ -204,7 +210,9 @@ class PushFolderFeed:
             ) from error
         theta = self._theta_of(fresh, finished)
         if finished and not self._taken:
-            below = next((file.parent for file in sorted(_recorded(self.path.rglob("*")))), None)
+            below = next(
+                (file.parent for file in sorted(filter(is_record, self.path.rglob("*")))), None
+            )
             where = "" if below is None else f"; there are some in {below}: give that"
             raise DataFileError(
                 f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)}){where}"
@@ -218,7 +226,7 @@ class PushFolderFeed:
         """The files that were not taken yet, by repetition, then by name."""
         listed = [
             file
-            for file in _recorded(self.path.iterdir())
+            for file in filter(is_record, self.path.iterdir())
             if file not in self._taken and not file.name.endswith(UNFINISHED_SUFFIX)
         ]
         for file in listed if finished else ():
@@ -263,11 +271,6 @@ class PushFolderFeed:
         before = self._doubtful
         self._doubtful = now
         return now == before
-
-
-def _recorded(files: Iterable[Path]) -> Iterator[Path]:
-    """Those of the files that may be recorded pushes."""
-    return (file for file in files if file.suffix.lower() in SUFFIXES)
 
 
 def _order(file: Path) -> tuple[float, str]:

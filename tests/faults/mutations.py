@@ -23,7 +23,7 @@ def readers() -> dict[str, tuple[Reader, ...]]:
     """Who reads a file, by its kind: the name of its sample."""
     from cyclemap.cli.run_figures import _read_index
     from cyclemap.evidence import load_pushes, read_theta0_pairs
-    from cyclemap.evidence.data_blocks.collected_blocks import recognise
+    from cyclemap.evidence.tables.data_kinds import recognise
     from cyclemap.evidence.tables.own_tables import read_own_table
     from cyclemap.mechanics import load_footprint, load_material
     from cyclemap.protocol import loop_from_file, read_protocol, read_schedule

@@ -34,7 +34,6 @@ from cyclemap.cli.output import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import files_of_data, recognise
 from cyclemap.evidence.identified_words import implausible
 from cyclemap.evidence.measured_plan import (
     MeasuredPlan,
@@ -44,6 +43,7 @@ from cyclemap.evidence.measured_plan import (
 )
 from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
+from cyclemap.evidence.tables.data_kinds import files_of_data, recognise
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text

@@ -28,7 +28,7 @@ from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row, Selection
 from cyclemap.evidence.tables.conventions import convention_of
-from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
+from cyclemap.evidence.tables.data_kinds import is_csv
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -328,7 +328,7 @@ class _Replayer:
         """
         material = self.loop.material
         name = push["object"]
-        if not isinstance(name, str) and str(push["path"]).lower().endswith(CSV_SUFFIX):
+        if not isinstance(name, str) and is_csv(push["path"]):
             name = self.of_tables
         if not isinstance(name, str):
             raise InvalidInput(

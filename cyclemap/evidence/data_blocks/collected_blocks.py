@@ -69,21 +69,21 @@ from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
 from cyclemap.evidence.tables.columns import ENDS, RODS, Selection, known_columns
 from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.evidence.tables.data_kinds import (
-    CSV_SUFFIX,
     CYCLES,
     DRAG_BACKS,
     PUSH_ENDS,
     RECORDS,
     SORT_COLUMNS,
-    SUFFIXES,
     WRENCHES,
-    sorts_of_rows,
+    DataFile,
+    files_of_data,
+    recognise,
 )
 from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
-from cyclemap.text_files import CsvTable, file_stem, read_csv_table
+from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
     import pandas
@@ -119,54 +119,6 @@ _FEWEST_PIECES = 3
 _FEWEST_CYCLES = 5
 # Files of which the same is told are named one by one up to so many.
 _MOST_NAMED = 3
-
-
-@dataclass(frozen=True, eq=False)
-class DataFile:
-    """A file of data, or a folder in the MIT layout, and the sort of data that is taken of it.
-
-    table : what a CSV file holds.
-    """
-
-    path: Path
-    sort: str
-    table: CsvTable | None = None
-
-
-def files_of_data(path: str | Path) -> list[Path]:
-    """Return what is looked at of a file, folder or tree: each CSV table, and the folder itself where
-    it has files of the MIT layout, or nothing.
-
-    Raises InvalidInput where there is nothing at `path`.
-    """
-    place = Path(path)
-    if not place.exists():
-        raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    if not place.is_dir():
-        return [place]
-    below = sorted(place.rglob("*"))
-    tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
-    has_records = any(file.suffix.lower() in SUFFIXES for file in below)
-    return [place, *tables] if has_records or not tables else tables
-
-
-def recognise(place: Path) -> list[DataFile]:
-    """Return a CSV table once for each sort of data that it holds, a file or a folder of the MIT
-    layout once; DataFileError, saying why, where it is neither.
-    """
-    if place.suffix.lower() == CSV_SUFFIX and not place.is_dir():
-        table = read_csv_table(place)
-        sorts = sorts_of_rows(table.header)
-        if not sorts:
-            header = ", ".join(table.header[:8])
-            raise DataFileError(f"{place}: a CSV table of unknown columns ({header})")
-        return [DataFile(place, sort, table) for sort in sorts]
-    files = place.rglob("*") if place.is_dir() else [place]
-    if any(file.suffix.lower() in SUFFIXES for file in files):
-        return [DataFile(place, RECORDS)]
-    if place.is_dir():
-        raise DataFileError(f"{place}: the folder holds no .h5, .json or .csv file")
-    raise DataFileError(f"{place}: a file of another kind ({place.suffix or 'no suffix'})")
 
 
 def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from cyclemap.arrays import Array, Place, shorter_way
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.evidence.pushes.push_table import PushTable, in_csv, load_pushes
 from cyclemap.evidence.tables.columns import DRAG_ENDS, Row, Selection
-from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
+from cyclemap.evidence.tables.data_kinds import is_csv
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem
@@ -104,7 +104,7 @@ def select_pushes(
     found, left_out = load_pushes(path, progress=progress), Counter[str]()
     if not tables_too:
         table, scans = (frame[~in_csv(frame["path"])] for frame in (found.table, found.scans))
-        bad = [file for file in found.unreadable if file.path.suffix.lower() != CSV_SUFFIX]
+        bad = [file for file in found.unreadable if not is_csv(file.path)]
         found = replace(found, table=table, scans=scans, unreadable=tuple(bad))
     kept = pushes_of(found, selection, left_out)
     return replace(kept, unreadable=found.unreadable), left_out

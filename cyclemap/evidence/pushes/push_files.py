@@ -21,7 +21,7 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts,
 from cyclemap.evidence.pushes.recordings import PUSH_TABLES, PushRecord, ScanRecord
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row
 from cyclemap.evidence.tables.conventions import Convention
-from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES
+from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES, is_record
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
 
@@ -113,7 +113,7 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
 
 
 def _tables(path: Path) -> dict[str, Any]:
-    if path.suffix.lower() not in SUFFIXES:
+    if not is_record(path):
         raise InvalidInput(
             f"'{path.suffix}' is no suffix of push data; it must be one of {', '.join(SUFFIXES)}, "
             "or a table's: .csv, .xlsx, .parquet, .jsonl"
@@ -211,7 +211,7 @@ def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
     written; then, or when the process is killed, `path` is as it was before.
     """
     path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
+    if not is_record(path):
         raise InvalidInput(
             f"{path}: '{path.suffix}' is no suffix of push data; choose one of "
             f"{', '.join(SUFFIXES)}"

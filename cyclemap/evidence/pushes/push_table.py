@@ -31,7 +31,7 @@ from cyclemap.evidence.tables.conventions import (
     convention_of,
     written_convention,
 )
-from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES
+from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES, is_csv, is_record
 from cyclemap.progress import Progress, part_of
 from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
 
@@ -323,7 +323,7 @@ def _loaded(
     for index, file in enumerate(files):
         path = file.path if isinstance(file, CsvTable) else file
         try:
-            if path.suffix.lower() == CSV_SUFFIX:
+            if is_csv(path):
                 table = file if isinstance(file, CsvTable) else read_csv_table(file)
                 rows, own = pushes_in_table(table, convention)
                 frames.append(rows)
@@ -351,7 +351,7 @@ def homes(table: pandas.DataFrame) -> pandas.Series:
 
 def in_csv(paths: pandas.Series) -> pandas.Series:
     """Return which paths are of CSV tables."""
-    return paths.str.lower().str.endswith(CSV_SUFFIX)
+    return paths.map(is_csv).astype(bool)
 
 
 def _next_start(table: pandas.DataFrame) -> pandas.Series:
@@ -373,16 +373,17 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
         raise InvalidInput(f"{path}: there is nothing there; give a file or a folder of pushes")
     if not path.is_dir():
         return [path], []
-    kinds, errors = (*SUFFIXES, CSV_SUFFIX), list[OSError]()
+    errors = list[OSError]()
     below = [
         Path(folder, name)
         for folder, _, names in os.walk(path, onerror=errors.append)
         for name in names
     ]
-    files = sorted(file for file in below if file.suffix.lower() in kinds)
+    files = sorted(file for file in below if is_record(file) or is_csv(file))
     if not files:
         raise InvalidInput(
-            f"{path}: the folder holds no push data ({', '.join(kinds)}); check the path"
+            f"{path}: the folder holds no push data ({', '.join((*SUFFIXES, CSV_SUFFIX))}); "
+            "check the path"
         )
     return files, [
         UnreadableFile(Path(e.filename), f"the folder cannot be entered ({e.strerror})")

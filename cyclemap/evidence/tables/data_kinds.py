@@ -6,11 +6,12 @@ Whoever is given data asks `file_kind`; what the rows of a table of ours tell, `
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from pathlib import Path
 
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.tables.columns import (
     COLUMNS,
     DRAG_ENDS,
@@ -33,7 +34,7 @@ from cyclemap.evidence.tables.own_files import (
 )
 from cyclemap.evidence.tables.planned_table import PLANNED
 from cyclemap.plain_text import json_value
-from cyclemap.text_files import read_text
+from cyclemap.text_files import CsvTable, read_csv_table, read_text
 
 HDF5_SUFFIXES = (".h5", ".hdf5")
 # Of recorded pushes and friction scans, and the tables in them.
@@ -45,6 +46,16 @@ TEXTS = (CSV_SUFFIX, ".tsv", ".txt", ".dat")
 _OURS = ({"theta0_accum_deg"}, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
 _ORIENTATIONS = {"theta0_deg", "theta_next_deg", "flag"}
 _LONGEST_LINE = 100_000
+
+
+def is_csv(path: str | Path) -> bool:
+    """Return whether a name is that of a CSV table."""
+    return Path(path).suffix.lower() == CSV_SUFFIX
+
+
+def is_record(path: Path) -> bool:
+    """Return whether a name may be that of a recorded push or friction scan."""
+    return path.suffix.lower() in SUFFIXES
 
 
 class FileKind(Enum):
@@ -70,7 +81,7 @@ def file_kind(path: str | Path) -> FileKind:
         return FileKind.OTHER
     if suffix == ".json" and place.is_file() and _has_rows(place):
         return FileKind.OTHER
-    if suffix in SUFFIXES:
+    if is_record(place):
         return FileKind.RECORDS
     return _kind_of_text(place) if suffix in TEXTS else FileKind.UNKNOWN
 
@@ -101,7 +112,7 @@ def _kind_of_text(place: Path) -> FileKind:
     """What a text is, by its header and the line below."""
     header, first = _first_lines(place)
     # Whatever parts its names.
-    if place.suffix.lower() == CSV_SUFFIX and all(name in header for name in PLANNED):
+    if is_csv(place) and all(name in header for name in PLANNED):
         return FileKind.PLANNED
     # A header that is still being written tells nothing.
     if not header.endswith("\n"):
@@ -165,9 +176,57 @@ def sorts_of_rows(header: Collection[str]) -> list[str]:
     return sorts
 
 
+@dataclass(frozen=True, eq=False)
+class DataFile:
+    """A file of data, or a folder in the MIT layout, and the sort of data that is taken of it.
+
+    table : what a CSV file holds.
+    """
+
+    path: Path
+    sort: str
+    table: CsvTable | None = None
+
+
+def files_of_data(path: str | Path) -> list[Path]:
+    """Return what is looked at of a file, folder or tree: each CSV table, and the folder itself where
+    it has files of the MIT layout, or nothing.
+
+    Raises InvalidInput where there is nothing at `path`.
+    """
+    place = Path(path)
+    if not place.exists():
+        raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
+    if not place.is_dir():
+        return [place]
+    below = sorted(place.rglob("*"))
+    tables = [file for file in below if is_csv(file)]
+    has_records = any(is_record(file) for file in below)
+    return [place, *tables] if has_records or not tables else tables
+
+
+def recognise(place: Path) -> list[DataFile]:
+    """Return a CSV table once for each sort of data that it holds, a file or a folder of the MIT
+    layout once; DataFileError, saying why, where it is neither.
+    """
+    if is_csv(place) and not place.is_dir():
+        table = read_csv_table(place)
+        sorts = sorts_of_rows(table.header)
+        if not sorts:
+            header = ", ".join(table.header[:8])
+            raise DataFileError(f"{place}: a CSV table of unknown columns ({header})")
+        return [DataFile(place, sort, table) for sort in sorts]
+    files = place.rglob("*") if place.is_dir() else [place]
+    if any(is_record(file) for file in files):
+        return [DataFile(place, RECORDS)]
+    if place.is_dir():
+        raise DataFileError(f"{place}: the folder holds no .h5, .json or .csv file")
+    raise DataFileError(f"{place}: a file of another kind ({place.suffix or 'no suffix'})")
+
+
 def tells_orientations_alone(path: Path) -> bool:
     """Return whether a file is a CSV table without poses."""
-    is_table = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
+    is_table = is_csv(path) and not path.is_dir()
     return is_table and not _names_in(_first_lines(path)[0]) >= {"x0", "x1"}
 
 
@@ -175,7 +234,7 @@ def tells_radians_alone(path: Path) -> bool:
     """Return whether a file is a CSV table of poses before pushes, by our names, and has no θ0 in
     degrees.
     """
-    if path.suffix.lower() != CSV_SUFFIX or not path.is_file():
+    if not is_csv(path) or not path.is_file():
         return False
     names, degrees = _names_in(_first_lines(path)[0]), {"theta0_deg", "theta0_accum_deg"}
     return names >= {"x0", "y0"} and bool({"theta0", "th0"} & names) and not degrees & names

@@ -86,6 +86,11 @@ def _bare(column: str) -> tuple[str, str]:
     return "_".join(busy if busy and not is_number else words), UNIT_WORDS.get(unit, unit)
 
 
+def bare_name(column: str) -> str:
+    """Return a column's name without its unit and idle words, in small letters."""
+    return _bare(column)[0]
+
+
 def unit_word(field: str) -> bool:
     """Whether a field of a table names a unit, in brackets or not."""
     unit = field.strip().strip("[]()").lower()

@@ -75,6 +75,10 @@ def _text(path: Path) -> str:
     content = read_bytes(path)
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         text = content.decode("utf-16", errors="replace")
+    elif b"\0" in content:
+        raise InvalidInput(
+            "holds bytes, not text: save its numbers as CSV, a name above each column"
+        )
     else:
         try:
             text = content.decode("utf-8-sig")

@@ -8,6 +8,7 @@ rows follow each other, is told by `own_rows`.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +21,7 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.tables.columns import COLUMNS, PLACES, QUATERNION, Kind
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import TEXTS
-from cyclemap.evidence.tables.meaning import known_units, meaning_of, unit_of
+from cyclemap.evidence.tables.meaning import bare_name, known_units, meaning_of, unit_of
 from cyclemap.evidence.tables.own_files import JSON_LINES, raw_columns
 from cyclemap.evidence.tables.own_rows import (
     OwnTable,
@@ -38,6 +39,11 @@ if TYPE_CHECKING:
 
 # The cosine of an axis' tilt from which on it is upright.
 _UPRIGHT = 0.9
+# Names of turns about the upright axis, and of those about the others, which tilt an object by more
+# than this (rad) where it does not lie flat.
+_UPRIGHT_TURN = re.compile(r"(?:rz|rot_?z|yaw)_?[01]?")
+_TILT = re.compile(r"(?:rx|ry|rot_?x|rot_?y|roll|pitch)_?[01]?")
+_MOST_TILTED = 0.45
 # Columns that say of a row whether it counts, and the value with which it does.
 _FLAGS = {"good": 1.0, "bad": 0.0}
 # What robots write where they have no number.
@@ -161,6 +167,8 @@ def _in_si_units(
         else:
             factor, said = unit_of(name, meaning, raw, units)
             columns[name] = factor * np.where(np.isfinite(values), values, math.nan)
+            if kind is Kind.ANGLE and _UPRIGHT_TURN.fullmatch(bare_name(column)):
+                _refuse_tilts(column, raw, factor)
         if "guessed" in said:
             guessed.add(name)
             if growing and kind is Kind.ANGLE:
@@ -175,6 +183,22 @@ def _in_si_units(
     if "nanoseconds" in rows:
         rows["t"] = rows.get("t", 0.0) + 1e-9 * rows.pop("nanoseconds")
     return rows, words, guessed
+
+
+def _refuse_tilts(upright: str, raw: Columns, factor: float) -> None:
+    """Refuse turns about z beside others about x or y, in the same unit: they are no orientation on
+    a table.
+    """
+    for column, values in raw.items():
+        if values.dtype.kind != "f" or not _TILT.fullmatch(bare_name(column)):
+            continue
+        tilt = factor * float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+        if tilt > _MOST_TILTED:
+            raise InvalidInput(
+                f"{column} reaches {math.degrees(tilt):.3g} degrees, so that {upright} is not the "
+                "turn on the table: bring its poses into a frame with z up, or leave "
+                f"{column} out where it is not the object's"
+            )
 
 
 def _without_stand_ins(raw: Columns, meaning: Mapping[str, str]) -> tuple[Columns, list[str]]:

@@ -16,7 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.tables.meaning import unit_word
-from cyclemap.text_files import LARGEST_CONTENT
+from cyclemap.text_files import LARGEST_CONTENT, says_nothing
 
 if TYPE_CHECKING:
     import pandas
@@ -26,9 +26,8 @@ Cells = Sequence[Sequence[str]]
 
 # Of columns of texts those that tell what was pushed on what are kept.
 _TEXTS = re.compile(r"surface|object|shape|run|session|series", re.IGNORECASE)
-# Fields of one number or more, and that say nothing, or yes and no.
+# Fields of one number or more, and that say yes or no.
 _NUMBER = re.compile(r"[-+]?[.,]*\d[-+\d.,eE;|\s]*")
-_EMPTY = ("", "nan", "na", "null", "none", "-")
 _FLAGS = {
     **dict.fromkeys(("True", "true", "TRUE", "yes", "ja", "ok"), "1"),
     **dict.fromkeys(("False", "false", "FALSE", "no", "nein"), "0"),
@@ -101,7 +100,7 @@ def _header(rows: Cells) -> int | None:
         with_numbers += _has_number(row)
         if with_numbers > _NUMBERS_IN_HEADERS:
             break
-        words = [field for field in row if field.strip().lower() not in _EMPTY]
+        words = [field for field in map(str.strip, row) if field != "-" and not says_nothing(field)]
         if not _has_number(row) and 2 * len(words) >= len(row):
             head = index
     return 0 if rows and with_numbers == 0 else head

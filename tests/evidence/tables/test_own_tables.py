@@ -475,3 +475,29 @@ def test_what_may_be_turns_or_radians_and_a_stream_taken_for_pushes_is_refused(t
         {"theta0": "alpha_deg"},
         told="say --columns theta=alpha_deg in place of theta0",
     )
+
+
+def test_numbers_that_go_on_from_run_to_run_make_no_pair_across_runs(tmp_path) -> None:
+    rows = [("a", 0, 10), ("a", 1, 20), ("a", 2, 35), ("b", 3, 200), ("b", 4, 210), ("b", 5, 225)]
+    lines = [f"{run},{number},{angle}" for run, number, angle in rows]
+    (tmp_path / "runs.csv").write_text("\n".join(["run,push_nr,orientation_deg", *lines, ""]))
+    pairs = np.degrees(read_own_table(tmp_path / "runs.csv").rows[["theta0", "theta_next"]])
+    whole = pairs.dropna().to_numpy().round(6).tolist()
+    assert whole == [[10.0, 20.0], [20.0, 35.0], [200.0, 210.0], [210.0, 225.0]]
+
+
+@pytest.mark.parametrize("tilt", ["roll", "ry", "rot_x"])
+def test_a_turn_about_z_beside_a_tilt_is_refused_and_beside_none_is_read(tmp_path, tilt) -> None:
+    upright = "yaw" if tilt == "roll" else "rz"
+    for degrees, name in ((2, "flat.csv"), (180, "tilted.csv")):
+        lines = [f"{angle},{degrees}" for angle in (10, 100, 190, 250)]
+        (tmp_path / name).write_text("\n".join([f"{upright}_deg,{tilt}_deg", *lines, ""]))
+    read = read_own_table(tmp_path / "flat.csv").rows["theta0"]
+    assert np.degrees(read).round(6).tolist() == [10.0, 100.0, 190.0, 250.0]
+    message = f"{tilt}_deg reaches 180 degrees, so that {upright}_deg is not the turn"
+    refused(read_own_table, tmp_path / "tilted.csv", told=message, kind=DataFileError)
+
+
+def test_bytes_of_another_program_are_no_table(tmp_path) -> None:
+    np.savez(tmp_path / "pushes.npz", theta0=np.arange(20.0))
+    refused(read_own_table, tmp_path / "pushes.npz", told="holds bytes, not text: save its numbers")
