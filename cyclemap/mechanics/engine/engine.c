@@ -5,7 +5,9 @@
                equations.py, and the tables of generate.py
    pressure.c  wrench and Hessian of friction: what edges, lines and points add, and their sum
    ellipse.c   what elliptic patches and rims add
-   foundation.c  the pressure and the contact of a foundation that is pressed
+   arcs.c      what bounds the contact of a foundation that is pressed: sides and arcs of conics
+   boundary.c  where its boundary is, under a pressure
+   foundation.c  its pressure, by the balance of load and moment
    cones.c     friction over such a contact
    friction.c  friction of either pressure, and its derivatives
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns,
@@ -91,6 +93,8 @@ enum { X, Y };
 
 #include "pressure.c"
 #include "ellipse.c"
+#include "arcs.c"
+#include "boundary.c"
 #include "foundation.c"
 #include "cones.c"
 #include "friction.c"

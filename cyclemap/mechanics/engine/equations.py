@@ -56,7 +56,7 @@ def kernels() -> dict[str, ca.Function]:
     lean, place, chord = ca.SX.sym("lean", 4), ca.SX.sym("place", 2), ca.SX.sym("chord", 11)
     pressure = ca.SX.sym("pressure", QUADRATIC.size)
     functions = {
-        "assembled": _assembled(twist, matrix),
+        "assembled": _assembled(twist),
         "corner": function_of("corner", [twist, matrix, place], [_image(twist, matrix, place)]),
     }
     # Edges are summed in two passes, so that the slow steps of one do not wait for those of
@@ -67,24 +67,22 @@ def kernels() -> dict[str, ca.Function]:
     side.take_along(parts[:2])
     side.d, side.rise, side.ts = parts[2], parts[3], parts[4]
     side.take_angle(angle)
-    functions["edge"] = function_of("edge", [matrix, parts, angle], [_edge(side, twist, matrix)])
+    functions["edge"] = function_of("edge", [matrix, parts, angle], [_edge(side, matrix)])
     own = _Side(ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:])))
     # One over how a patch's area grows in the velocity plane.
     scale = 1 / (TWIST.of(twist).omega ** 2 * ca.det(_square(matrix)))
     functions["lean"] = function_of(
         "lean", [twist, matrix, images, lean], [_leaning_edge(_Side(images), twist, matrix, lean)]
     )
-    functions["line"] = function_of(
-        "line", [twist, matrix, images], [_line(_Side(images), twist, matrix)]
-    )
+    functions["line"] = function_of("line", [matrix, images], [_line(_Side(images), matrix)])
     # The wrench of a unit of load at a point.
     w = _velocity(twist, matrix, place)
     force = _square(matrix).T @ (w / _length(w))
     wrench = ca.vertcat(force, ca.dot(_left(place), force))
     for name, given, sums in (
-        ("edge", [ends], scale * _edge(own, twist, matrix)[:3]),
+        ("edge", [ends], scale * _edge(own, matrix)[:3]),
         ("lean", [ends, lean], scale * _leaning_edge(own, twist, matrix, lean)[:3]),
-        ("line", [ends], _line(own, twist, matrix)[:3]),
+        ("line", [ends], _line(own, matrix)[:3]),
         ("point", [place], wrench),
         ("pressed_image", [pressure], _about_rotation(twist, matrix, pressure)),
     ):
@@ -218,7 +216,7 @@ def _homogeneous(matrix: ca.SX, speed: ca.SX, force: ca.SX, curve: ca.SX) -> ca.
     return ca.vertcat(speed, m.T @ force, _upper(m.T @ curve @ m))
 
 
-def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> ca.SX:
+def _edge(side: _Side, matrix: ca.SX) -> ca.SX:
     """What one side adds to an even patch, times the image's area over the patch's, by the
     divergence theorem:
 
@@ -252,7 +250,7 @@ def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> ca.S
     return _homogeneous(matrix, speed, force, (whole + whole.T) / 2)
 
 
-def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> ca.SX:
+def _line(side: _Side, matrix: ca.SX) -> ca.SX:
     """What a load spread along one side adds: the means of |w|, w/|w| and hess |w| along it."""
     size = side.size
     sine = side.end / (side.s1 + TINY) - side.start / (side.s0 + TINY)
@@ -336,13 +334,13 @@ def _pressed_cone(cone: ca.SX, quadratic: ca.SX) -> ca.SX:
     return ca.vertcat(cross * (level / 3 + first / 4 + second / 5) * size, force * w)
 
 
-def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
-    """(twist, matrix, sums) -> friction, by homogeneity: D = V . grad D, hess D . V = 0."""
+def _assembled(twist: ca.SX) -> ca.Function:
+    """(twist, sums) -> friction, by homogeneity: D = V . grad D, hess D . V = 0."""
     sums, v, omega = ca.SX.sym("sums", 6), twist[:2], twist[2]
     force, cross = sums[1:3], -_symmetric(*ca.vertsplit(sums[3:])) @ v / omega
     wrench = ca.vertcat(force, (sums[0] - v[0] * force[0] - v[1] * force[1]) / omega)
     friction = ca.vertcat(wrench, sums[3:], cross, -ca.dot(cross, v) / omega)
-    return function_of("assembled", [twist, matrix, sums], [friction])
+    return function_of("assembled", [twist, sums], [friction])
 
 
 def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> ca.SX:

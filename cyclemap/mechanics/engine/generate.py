@@ -115,12 +115,12 @@ def write_sources(folder: Path) -> None:
     for function in functions.values():
         generator.add(function)
     (Path(folder) / "kernels.c").write_text(
-        "\n".join((_names(), generator.dump(), _tables(), *_in_lanes())), encoding="utf-8"
+        "\n".join((_names(), generator.dump(), _tables(), *_in_wide())), encoding="utf-8"
     )
 
 
 # How instructions of CasADi's are written for Wide, of the results of earlier ones.
-LANE_OPERATIONS = {
+WIDE_OPERATIONS = {
     **{ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}"},
     **{ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "{0} + {0}"},
     **{ca.OP_INV: "1.0 / {0}", ca.OP_FABS: "sizes({0})", ca.OP_SQRT: "roots({0})"},
@@ -128,12 +128,12 @@ LANE_OPERATIONS = {
 }
 
 
-def _in_lanes() -> list[str]:
+def _in_wide() -> list[str]:
     """The functions of some places at once, in C."""
-    return [_lanes_code(name, function) for name, function in equations.rim_kernels().items()]
+    return [_wide_code(name, function) for name, function in equations.rim_kernels().items()]
 
 
-def _lanes_code(name: str, function: ca.Function) -> str:
+def _wide_code(name: str, function: ca.Function) -> str:
     """One function of one row of numbers, each of them Wide."""
     lines = [f"static ALWAYS_INLINE void {name}(const Wide *given, Wide *found) {{"]
     lines.append(f"    Wide {', '.join(f'a{place}' for place in range(function.sz_w()))};")
@@ -149,7 +149,7 @@ def _lanes_code(name: str, function: ca.Function) -> str:
         elif operation == ca.OP_OUTPUT:
             lines.append(f"    found[{written[1]}] = a{read[0]};")
         else:
-            value = LANE_OPERATIONS[operation].format(*(f"a{place}" for place in read))
+            value = WIDE_OPERATIONS[operation].format(*(f"a{place}" for place in read))
             lines.append(f"    a{written[0]} = {value};")
     return "\n".join([*lines, "}"])
 

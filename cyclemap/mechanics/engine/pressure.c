@@ -56,13 +56,14 @@ static void add_sides(Friction *f, const double *rows, int64_t count, double loa
         for (int i = 0; i < n; ++i) {
             const double *at = row + i * ROW_COLUMNS, *more = at + ROW_GEOMETRY + LEAN_SLOPE_X;
             const double *edge_given[] = {f->matrix, sides[i], angles + i};
-            const double *given[] = {f->twist, f->matrix, images[i], more};
+            const double *lean_given[] = {f->twist, f->matrix, images[i], more};
+            const double *line_given[] = {f->matrix, images[i]};
             if (kind == EDGE)
                 edge(edge_given, results, 0, 0, 0);
             else if (kind == LEAN)
-                lean(given, results, 0, 0, 0);
+                lean(lean_given, results, 0, 0, 0);
             else
-                line(given, results, 0, 0, 0);
+                line(line_given, results, 0, 0, 0);
             add(f->sums, found, factor * at[ROW_LOAD], 6);
         }
     }
@@ -293,7 +294,7 @@ static void begin_sums(Friction *f, const double *twist, const double *matrix, c
 static void end_sums(Friction *f) {
     if (!f->is_summed) return;
     double found[FRICTION_SIZE], *results[] = {found};
-    const double *given[] = {f->twist, f->matrix, f->sums};
+    const double *given[] = {f->twist, f->sums};
     assembled(given, results, 0, 0, 0);
     add(f->friction, found, 1.0, f->toward ? WRENCH : FRICTION_SIZE);
 }
