@@ -30,7 +30,7 @@ _CHECKSUM = re.compile(r"^# checksum: ([0-9a-f]{16})\n", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Unit:
+class FileUnit:
     """A unit of the files: its name, and what one of it is in SI units.
 
     Not every number of metres (or radians) is a thousandth (or pi/180) of a double. So numbers are
@@ -83,9 +83,9 @@ class Unit:
         raise InvalidInput(f"{value!r} is too small or too large to be written in {self.name}")
 
 
-MILLIMETRES = Unit("mm", Decimal("0.001"))
-DEGREES = Unit("degrees", _CONTEXT.divide(_PI, Decimal(180)))
-NUMBER = Unit("its own unit", Decimal(1))
+MILLIMETRES = FileUnit("mm", Decimal("0.001"))
+DEGREES = FileUnit("degrees", _CONTEXT.divide(_PI, Decimal(180)))
+NUMBER = FileUnit("its own unit", Decimal(1))
 
 
 def decimal_text(number: Decimal) -> str:

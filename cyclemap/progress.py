@@ -14,3 +14,7 @@ def part_of(progress: Progress | None, index: float, count: float) -> Progress:
     0.375
     """
     return lambda fraction: None if progress is None else progress((index + fraction) / count)
+
+
+def unheard(fraction: float) -> None:
+    """Take a report that nobody asked for."""

@@ -12,7 +12,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number
 from cyclemap.maps import CircleMap
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 
 Sample = Callable[[Array], tuple[Array, Array]]
 
@@ -197,7 +197,7 @@ def sample_circle_map(
     steep that they cannot be told from a jump.
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
-    sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
+    sampler = _Sampler(sample, interpolated, progress or unheard)
     nodes = sampler.nodes([TWO_PI * k / _FIRST_INTERVALS for k in range(_FIRST_INTERVALS)])
     nodes.append(Node(TWO_PI, nodes[0].value + TWO_PI, nodes[0].slope))
     _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(nodes)])

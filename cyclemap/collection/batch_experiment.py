@@ -16,7 +16,7 @@ from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
 BATCHES = 6
@@ -208,7 +208,7 @@ def batch_experiment(
     [[8.0, 8.0], [8.0, 8.0], [8.0, 8.0]]
     """
     count = whole_number("batches", batches, least=1)
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     starts = TWO_PI * np.arange(count) / count
     protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
     even = isotropic_twin(protocol)

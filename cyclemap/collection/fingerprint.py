@@ -15,7 +15,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
@@ -364,7 +364,7 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
             "then depends on the orientation on any surface and has no fingerprint; leave "
             "way_points_mm out"
         )
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     loop = with_bow(replace(loop, accuracy=min(loop.accuracy, _ACCURACY)), 0.0)
     isotropic = with_anisotropy(loop, _ISOTROPIC).cycle(0.0)
     gradients = _gradients(loop, np.zeros(4))

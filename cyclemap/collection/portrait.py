@@ -41,7 +41,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.quadrature import arc_rule, gauss_rule
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 from cyclemap.written import ANGLE
 
 # The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
@@ -261,7 +261,7 @@ def portrait(
     >>> result.rotation.locked, len(result.fixed_points), result.staircase.theta.shape
     (Fraction(0, 1), 2, (51,))
     """
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     noisy = _noisy_loop(loop, sigma, cycles, start, seed, tolerance, report)
     points = tuple(fixed_points(noisy.map))
     stable = [orbit.points[:1] for orbit in points if orbit.stable]
@@ -459,7 +459,7 @@ def staircase_forecast(
     >>> round(float(forecast.log10_residences[0]), 1)
     7.6
     """
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     noisy = _noisy_loop(loop, sigma, cycles, start, seed, tolerance, report)
     residences = tuple(_log10_residence(noisy, zone) for zone in noisy.prediction.zones)
     steps = find_steps(noisy.staircase.theta)

@@ -23,7 +23,7 @@ from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
 from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
 from cyclemap.mechanics.foundation import FLAT
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 from cyclemap.written import ANGLE, DIRECTION
 
 FIRST_ORDER = "first order"
@@ -181,7 +181,7 @@ def direction_uncertainty(
     >>> found.source, found.locks, [round(math.degrees(row.theta)) for row in found.directions]
     ('axis ratio', 2, [63])
     """
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
         return _of_axis_ratio(stated, report)

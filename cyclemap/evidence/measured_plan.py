@@ -39,7 +39,7 @@ from cyclemap.mechanics import Pose
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, part_of, unheard
 from cyclemap.text_files import file_stem
 
 MM = 1e3
@@ -229,7 +229,7 @@ def measured_plan(
     >>> measured.notes  # doctest: +SKIP
     ('read.csv: 2 push ends of rect1',)
     """
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     identification, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
     floor = loop.material
     sources = [path.name for path in paths]

@@ -21,7 +21,15 @@ import numpy as np
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
+from cyclemap.file_text import (
+    MILLIMETRES,
+    NUMBER,
+    FileUnit,
+    Table,
+    check_checksum,
+    located,
+    toml_text,
+)
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import (
     Ellipse,
@@ -136,7 +144,7 @@ def plain_numbers(value: Any) -> Any:
     return float(value) if isinstance(value, Decimal) else value
 
 
-def _written(unit: Unit, value: Any) -> object:
+def _written(unit: FileUnit, value: Any) -> object:
     """What a file says of a value, or of the values of a list, in SI units: the double that, read,
     comes nearest.
     """

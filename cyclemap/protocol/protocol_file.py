@@ -11,7 +11,15 @@ from pathlib import Path
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
+from cyclemap.file_text import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    FileUnit,
+    located,
+    toml_text,
+    with_checksum,
+)
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
 from cyclemap.protocol.setting_table import Settings
@@ -270,7 +278,7 @@ def _action(row: object) -> tuple[CycleAction, float | None]:
     return CycleAction(points, push, turn), weight
 
 
-def _number(key: str, value: object, unit: Unit) -> float:
+def _number(key: str, value: object, unit: FileUnit) -> float:
     with located(f"{key} = {value}"):
         return unit.read(value)
 

@@ -19,7 +19,7 @@ from cyclemap.file_text import (
     DEGREES,
     MILLIMETRES,
     NUMBER,
-    Unit,
+    FileUnit,
     check_checksum,
     decimal_text,
     located,
@@ -298,7 +298,7 @@ def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
     return tuple(places)
 
 
-def _number(table: CsvTable, row: CsvRow, column: str, unit: Unit) -> float:
+def _number(table: CsvTable, row: CsvRow, column: str, unit: FileUnit) -> float:
     """A field of `unit` in SI units, rounded once."""
     text = table.text(row, column)
     try:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, FileUnit
 from cyclemap.plain_text import json_value, plain_number
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Setting:
     step: float = 0.0
 
     @property
-    def unit(self) -> Unit:
+    def unit(self) -> FileUnit:
         """The unit that the key's ending tells."""
         return {"deg": DEGREES, "mm": MILLIMETRES}.get(self.key.rpartition("_")[2], NUMBER)
 

@@ -15,7 +15,7 @@ from cyclemap.collection.uncertain_directions import stable_points
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.maps import Bifurcation, BifurcationCurve, CircleMap, Estimate, follow_bifurcation
 from cyclemap.mechanics.cycle_batch import run_batch
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
 from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.written import DIRECTION
@@ -167,7 +167,7 @@ def direction_margins(
     ('saddle-node', 0, -6.2714, None)
     """
     require_loop(loop)
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     known = [setting for setting in SETTINGS.values() if _value(setting, loop) is not None]
     chosen = known if keys is None else [setting_named(key) for key in keys]
     for setting in chosen:

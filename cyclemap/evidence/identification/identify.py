@@ -46,7 +46,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, part_of, unheard
 from cyclemap.written import UNWRITTEN
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
@@ -395,7 +395,7 @@ def identify(
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
     fold = None if folds == 0 else random_folds(problem, folds, seed)
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     # The searches are the first three fifths of the work, cross-validation the rest.
     searches = multi_start(
         problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done)

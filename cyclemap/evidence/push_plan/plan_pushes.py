@@ -28,7 +28,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     target_of,
 )
 from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 
 MOST_PUSHES = 32
 # Candidates times samples: each is a push that is run, and some thousand numbers.
@@ -197,7 +197,7 @@ def plan_pushes(
     whole_number("samples", samples, least=2)
     whole_number("candidates", candidates, least=asked)
     require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     known = sampled_beliefs(loop, samples)
     offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
     ends, by, measured = push_sensitivity(known, offered, read)

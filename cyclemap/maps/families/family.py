@@ -18,7 +18,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP, carried_round
-from cyclemap.progress import Progress
+from cyclemap.progress import Progress, unheard
 
 ParametricFunction = Callable[..., Array]
 _ANGLES = np.linspace(0.0, TWO_PI, 65)  # where a lift of unknown kind is looked at for folds
@@ -166,7 +166,7 @@ def each_done(
     progress : called with the fraction done. What processes are to work on must be one that can be
         pickled.
     """
-    report = progress or (lambda fraction: None)
+    report = progress or unheard
     results = executor.map(work, items, chunksize=together) if executor else map(work, items)
     for done, result in enumerate(results, start=1):
         report(done / len(items))
