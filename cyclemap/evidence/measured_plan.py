@@ -11,16 +11,9 @@ from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.errors import ConvergenceError
-from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
-from cyclemap.evidence.identification.identify import Identification, identify
-from cyclemap.evidence.identification.known_floor import (
-    FLOOR_TOLD,
-    held_values,
-    known_beliefs,
-    known_shapes,
-    known_spread,
-)
+from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, identify_collected
+from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identification.known_floor import known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush
@@ -263,21 +256,14 @@ def identified_plan(
     plate = known_plate(floor, collected.loop.slider)
     shapes = () if plate is None or plate.plate == ANY_PLATE else (plate,)
     fixed = known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    telling = telling_parameters(collected.blocks, known_beliefs(floor, FLOOR_TOLD))
-    free = [name for name in telling if name not in fixed]
-    space = starting_space(loop, floor)
-    identification = identify(
-        collected.blocks,
-        free,
-        held_values(collected.blocks, space, free, floor) | fixed,
-        priors=collected.beliefs(free) | known_beliefs(floor, free, collected.loop.slider.name),
-        noise={**collected.noise, **known_spread(floor, collected.blocks)},
+    identification = identify_collected(
+        collected,
+        floor,
+        fixed,
+        starting_space(loop, floor),
         starts=starts,
         student=4.0,
         seed=seed,
-        space=space,
         progress=progress,
     )
-    if not identification.fit.converged:
-        raise ConvergenceError(f"no start converged: {identification.fit.message}")
     return identification, collected.notes

@@ -4,7 +4,7 @@ picture.
 
 import math
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,24 +16,15 @@ from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
+from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
-    telling_parameters,
+    identify_collected,
 )
-from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
-from cyclemap.evidence.identification.known_floor import (
-    FLOOR_TOLD,
-    held_values,
-    known_beliefs,
-    known_shapes,
-    known_spread,
-)
-from cyclemap.evidence.identification.surface_parameters import (
-    ParameterSpace,
-    starting_space,
-)
+from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors
+from cyclemap.evidence.identification.known_floor import known_shapes
+from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
     derived_quantities,
@@ -128,7 +119,22 @@ def run_identify(asked: IdentifyOptions) -> None:
             target=target,
         )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    identified = _identified(asked, collected, fixed, known, space)
+    groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
+    usual_folds = min(5, groups) if groups > 1 else 0
+    with progress_bar("identifying") as report:
+        identified = identify_collected(
+            collected,
+            known,
+            fixed,
+            space,
+            free=[name.strip() for name in (asked.free or "").split(",") if name.strip()],
+            believes=not asked.no_priors,
+            folds=usual_folds if asked.folds is None else asked.folds,
+            starts=asked.starts,
+            student=None if asked.student == math.inf else asked.student,
+            seed=asked.seed,
+            progress=report,
+        )
     doubtful = _is_doubtful(identified, collected, asked.force)
     since = f" from cycle {asked.first} on" if asked.first else ""
     sources = [f"{path.name}{since}" for path in read]
@@ -152,47 +158,6 @@ def _is_doubtful(identified: Identification, collected: CollectedBlocks, force: 
     for words in doubts:
         click.echo(f"warning: this cannot be right: {words}", err=True)
     return bool(doubts)
-
-
-def _identified(
-    asked: IdentifyOptions,
-    collected: CollectedBlocks,
-    fixed: Mapping[str, float],
-    known: Material | None,
-    space: ParameterSpace,
-) -> Identification:
-    """Identify what was asked for, or else what the data tell, and is not fixed."""
-    blocks = collected.blocks
-    plate = collected.loop.slider.name
-    named = tuple(name.strip() for name in (asked.free or "").split(",") if name.strip())
-    believed = None if known is None else known_beliefs(known, FLOOR_TOLD)
-    named = named or tuple(
-        name for name in telling_parameters(blocks, believed) if name not in fixed
-    )
-    held = held_values(blocks, space, named, known)
-    beliefs = collected.beliefs(named) | known_beliefs(known, named, plate)
-    groups = sum(len(set(block.groups.tolist())) for block in blocks)
-    usual_folds = min(5, groups) if groups > 1 else 0
-    with progress_bar("identifying") as report:
-        identified = identify(
-            blocks,
-            named,
-            held | {key: at for key, at in fixed.items() if key not in named},
-            priors={} if asked.no_priors else beliefs,
-            noise={**collected.noise, **known_spread(known, blocks)},
-            folds=usual_folds if asked.folds is None else asked.folds,
-            starts=asked.starts,
-            student=None if asked.student == math.inf else asked.student,
-            seed=asked.seed,
-            space=space,
-            progress=report,
-        )
-    if not identified.fit.converged:
-        raise ConvergenceError(
-            f"no start converged: {identified.fit.message}; take more --starts, or free fewer "
-            "parameters"
-        )
-    return identified
 
 
 def _conclude(

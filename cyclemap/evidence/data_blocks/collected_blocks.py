@@ -17,7 +17,7 @@ import numpy as np
 from cyclemap.arrays import Array, Place, evenly_spread
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import ConvergenceError, DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     force_ratio_block,
@@ -41,7 +41,18 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     set_ups,
 )
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, usual_beliefs
-from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
+from cyclemap.evidence.identification.identify import Identification, identify
+from cyclemap.evidence.identification.known_floor import (
+    FLOOR_TOLD,
+    held_values,
+    known_beliefs,
+    known_spread,
+)
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD_NAMES,
+    SURFACE,
+    ParameterSpace,
+)
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
@@ -80,7 +91,7 @@ from cyclemap.evidence.tables.data_kinds import (
     recognise,
 )
 from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Material, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import file_stem
@@ -777,3 +788,51 @@ def telling_parameters(
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
         free += [name for name in FIELD_NAMES if name in asked]
     return (*free, *sorted(name for name in asked if name.startswith(("worn_", "wear_pace_"))))
+
+
+def identify_collected(
+    collected: CollectedBlocks,
+    known: Material | None,
+    fixed: Mapping[str, float],
+    space: ParameterSpace,
+    *,
+    free: Sequence[str] = (),
+    believes: bool = True,
+    folds: int = 0,
+    starts: int = 2,
+    student: float | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Identification:
+    """Identify the parameters named, or else all that the data tell and is not fixed; raises
+    ConvergenceError where no start converges.
+
+    known : the floor whose samples are what is believed before. fixed : values that stay, but of
+    parameters named. space : where the search begins. believes : whether usual beliefs and those of
+    the known floor count; folds, starts, student, seed, progress : see `identify`.
+    """
+    blocks = collected.blocks
+    by_floor = None if known is None else known_beliefs(known, FLOOR_TOLD)
+    if not free:
+        free = [name for name in telling_parameters(blocks, by_floor) if name not in fixed]
+    beliefs = collected.beliefs(free) | known_beliefs(known, free, collected.loop.slider.name)
+    held = {name: value for name, value in fixed.items() if name not in free}
+    identified = identify(
+        blocks,
+        free,
+        held_values(blocks, space, free, known) | held,
+        priors=beliefs if believes else {},
+        noise={**collected.noise, **known_spread(known, blocks)},
+        folds=folds,
+        starts=starts,
+        student=student,
+        seed=seed,
+        space=space,
+        progress=progress,
+    )
+    if not identified.fit.converged:
+        raise ConvergenceError(
+            f"no start converged: {identified.fit.message}; take more starts, or free fewer "
+            "parameters"
+        )
+    return identified

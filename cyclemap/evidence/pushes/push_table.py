@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # The share of rows that may have no pose; m, beyond which no push goes.
 _MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
+_TWO_TURNS = 4.0 * math.pi
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 PUSH_COLUMNS = (
     *SET_FACTS,
@@ -102,7 +103,9 @@ def pushes_in_table(
 def _posed(table: CsvTable, convention: Convention) -> pandas.DataFrame:
     """The pushes of a table of poses."""
     doubt_degrees(table, ("theta0_deg", "theta1_deg"))
-    frame = convention.rows(known_columns(table, ENDS, _MOST_LOST))
+    written = known_columns(table, ENDS, _MOST_LOST)
+    _refuse_degrees(table, written)
+    frame = convention.rows(written)
     _refuse_other_units(table, frame)
     rod = np.hypot(frame["tip_x1"] - frame["tip_x0"], frame["tip_y1"] - frame["tip_y0"])
     frame["length"] = rod.fillna(frame["length"])
@@ -113,6 +116,26 @@ def _posed(table: CsvTable, convention: Convention) -> pandas.DataFrame:
     moved = frame["x1"] - frame["x0"] + 1j * (frame["y1"] - frame["y0"])
     moved = (moved * np.exp(-1j * frame["theta0"])).to_numpy()
     return frame.assign(dx=moved.real, dy=moved.imag, samples=0)
+
+
+def _refuse_degrees(table: CsvTable, frame: pandas.DataFrame) -> None:
+    """Refuse angles in radians that go beyond two turns and change by more than half a turn in most
+    pushes, or from most pushes to the next: lifts of radians go on slowly, and wrapped ones do not
+    go so far.
+    """
+    for column, other in (("theta0", "theta1"), ("theta1", "theta0")):
+        if f"{column}_deg" in table.header:
+            continue
+        angles = frame[column]
+        turns = (angles - frame[other]).abs().median()
+        steps = angles.diff().abs().median()
+        if angles.abs().max() > _TWO_TURNS and max(turns, steps) > math.pi:
+            farthest = frame.loc[angles.abs().idxmax()]
+            raise table.error(
+                farthest["line"],
+                f"{column} is {farthest[column]:g}, and most pushes are half a turn apart: are "
+                "these degrees? Say so, --units deg, or --units rad where they are not",
+            )
 
 
 def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:

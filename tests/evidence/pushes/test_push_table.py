@@ -289,6 +289,25 @@ def test_places_in_millimetres_under_our_names_are_not_taken_for_metres(tmp_path
     )
 
 
+def test_degrees_under_our_names_are_not_taken_for_radians_and_lifts_of_radians_are_no_degrees(
+    tmp_path,
+) -> None:
+    """Places in metres, angles in degrees, of pushes from anywhere or one after the other; lifts
+    that climb through three turns by pushes of 74 degrees and drags of -66.
+    """
+    anywhere = np.random.default_rng(4).uniform(0.0, 360.0, 12)
+    after = 27.0 * np.arange(12.0)
+    for begin in (anywhere, after):
+        rows = "".join(f"0.3,0,{angle},0.33,0.01,{angle + 24.5}\n" for angle in begin)
+        (bad,) = load_pushes(csv(tmp_path, f"{POSES}\n{rows}")).unreadable
+        assert "are these degrees? Say so, --units deg" in bad.reason
+        named = f"x0,y0,theta0_deg,x1,y1,theta1_deg\n{rows}"
+        read = load_pushes(csv(tmp_path, named)).table
+        assert np.allclose(read["dtheta"], np.radians(24.5))
+    lifted = "".join(f"0.3,0,{0.14 * n},0.33,0.01,{0.14 * n + 1.3}\n" for n in range(135))
+    assert np.allclose(load_pushes(csv(tmp_path, f"{POSES}\n{lifted}")).table["dtheta"], 1.3)
+
+
 def test_folders_in_different_conventions_are_not_read_as_one(tmp_path) -> None:
     """Ends of pushes would be in one sense, and what is read of the records again in the other."""
     for folder in ("ours", "theirs"):
