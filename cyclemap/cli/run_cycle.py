@@ -1,5 +1,5 @@
-"""Cycles: `cyclemap cycle` as a table, `cyclemap dynamics` with inertia beside quasi-static ones, and
-`cyclemap experiment` batches of them as the paper ran; as JSON and as pictures.
+"""Cycles: `cyclemap cycle` as a table, `cyclemap dynamics` with inertia beside quasi-static ones,
+and `cyclemap experiment` batches of them as the paper ran; as JSON and as pictures.
 """
 
 import math
@@ -162,8 +162,8 @@ def run_dynamics(
         report(1.0)
     cycles = {
         law: {
-            "dynamic": _cycles(starts_deg, comparison.dynamic),
-            "quasi_static": _cycles(starts_deg, comparison.quasi_static),
+            "dynamic": _cycle_rows(starts_deg, comparison.dynamic),
+            "quasi_static": _cycle_rows(starts_deg, comparison.quasi_static),
         }
         for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
     }
@@ -191,7 +191,7 @@ def run_dynamics(
     )
 
 
-def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
+def _cycle_rows(starts_deg: list[float], cycles: Cycles) -> list[Json]:
     """The cycles of a model, one from each start angle (degrees)."""
     return rows(
         **cycle_columns(starts_deg, cycles),
@@ -225,8 +225,8 @@ def run_experiment(
         "speed_mm_s": written(experiment.speed, MILLIMETRES),
         "cycles": experiment.cycles,
         "within_deg": degrees(WITHIN),
-        "anisotropic": _run(experiment.anisotropic),
-        "isotropic": _run(experiment.isotropic),
+        "anisotropic": _batches(experiment.anisotropic),
+        "isotropic": _batches(experiment.isotropic),
     }
     publish(
         as_json,
@@ -240,7 +240,7 @@ def run_experiment(
     )
 
 
-def _run(run: BatchRun) -> Json:
+def _batches(run: BatchRun) -> Json:
     directions = run.directions()
     settled = run.settled_after()
     return {

@@ -1,5 +1,5 @@
-"""`cyclemap portrait`, `cyclemap staircase` and `cyclemap fingerprint`, the numbers of a protocol and
-what they predict: in sentences, as JSON, and as pictures.
+"""`cyclemap portrait`, `cyclemap staircase`, and `cyclemap fingerprint`, the numbers of a protocol
+and what they predict: in sentences, as JSON, and as pictures.
 """
 
 from __future__ import annotations
@@ -9,8 +9,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import portrait_report, staircase_report
-from cyclemap.cli.options import RunOptions
+from cyclemap.cli.json_report import (
+    orbit_report,
+    portrait_report,
+    staircase_report,
+    uncertainty_report,
+)
+from cyclemap.cli.options import ResultOptions, RunOptions
 from cyclemap.cli.output import (
     Told,
     margins_of,
@@ -20,18 +25,6 @@ from cyclemap.cli.output import (
     result_stem,
     styled,
 )
-from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
-from cyclemap.collection.portrait_curves import portrait_curves
-from cyclemap.errors import InvalidInput
-from cyclemap.protocol.chosen_loop import chosen_collection
-from cyclemap.views import portrait_page, sentences
-
-if TYPE_CHECKING:
-    from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
-
-
-from cyclemap.cli.json_report import orbit_report, uncertainty_report
-from cyclemap.cli.options import ResultOptions
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
@@ -39,12 +32,19 @@ from cyclemap.collection.fingerprint_prediction import (
     check_prediction,
     predict,
 )
+from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
+from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
+from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views import fingerprint_page
-from cyclemap.views.sentences import uncertainty_sentence
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, chosen_loop
+from cyclemap.views import fingerprint_page, portrait_page, sentences
 from cyclemap.written import DEGREES, Json, degrees, direction_deg, json_of, written
+
+if TYPE_CHECKING:
+    from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
+
+COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
 
 def run_portrait(asked: RunOptions, margin: bool) -> None:
@@ -154,9 +154,6 @@ def run_staircase(asked: RunOptions) -> None:
     )
 
 
-COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
-
-
 def run_fingerprint(
     options: LoopOptions,
     check: bool,
@@ -199,13 +196,18 @@ def run_fingerprint(
         fingerprint_page.protocol_sentence(numbers),
     ]
     if prediction is not None:
-        lines += _prediction_lines(prediction, name)
+        lines += [
+            fingerprint_page.surface_sentence(prediction, name),
+            styled(fingerprint_page.direction_sentence(prediction, name), "bold"),
+            fingerprint_page.lock_in_sentence(prediction),
+            fingerprint_page.trust_sentence(prediction),
+        ]
     if margin:
         as_json["margins"], margins = margins_of(loop)
         lines += margins
     if bow:
         lines.append(fingerprint_page.bow_sentence(numbers, bow))
-    lines.append(uncertainty_sentence(name, known))
+    lines.append(sentences.uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
     publish(
@@ -215,15 +217,6 @@ def run_fingerprint(
         results,
         *lines,
     )
-
-
-def _prediction_lines(prediction: Prediction, name: str) -> list[Told]:
-    return [
-        fingerprint_page.surface_sentence(prediction, name),
-        styled(fingerprint_page.direction_sentence(prediction, name), "bold"),
-        fingerprint_page.lock_in_sentence(prediction),
-        fingerprint_page.trust_sentence(prediction),
-    ]
 
 
 def fingerprint_report(

@@ -1,5 +1,5 @@
-"""`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule; and what
-`cyclemap portrait` and `staircase` say of a strategy whose cycles differ.
+"""`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule; and
+what `cyclemap portrait` and `staircase` say of a strategy whose cycles differ.
 """
 
 import math
@@ -43,6 +43,10 @@ from cyclemap.views.reset_page import (
 )
 from cyclemap.views.sentences import angle, material_line
 from cyclemap.written import Json, degrees, direction_deg, json_of, rows, written
+
+_EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
+_CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
+_NO_STEPS = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
 
 
 def run_reset(
@@ -165,11 +169,6 @@ def _predicted(row: ResetRow) -> dict[str, float]:
         "histogram_distance": row.histogram[0],
         "mean_drag_mm": 1e3 * row.drag,
     }
-
-
-_EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
-_CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
-_NO_STEPS = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
 
 
 def run_strategy_portrait(

@@ -17,7 +17,7 @@ from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, unheard
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
@@ -174,6 +174,7 @@ def strategy_maps(
     """
     computed: dict[CollectionLoop, CircleMap] = {}
     maps = list[CircleMap]()
+    report = progress or unheard
     for acted, action in zip(strategy.loops(loop), strategy.actions, strict=True):
         if acted not in computed:
             computed[acted] = acted.circle_map(tolerance)
@@ -182,7 +183,7 @@ def strategy_maps(
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
         maps.append(made)
-        part_of(progress, len(maps) - 1, len(strategy.actions))(1.0)
+        report(len(maps) / len(strategy.actions))
     return tuple(maps)
 
 

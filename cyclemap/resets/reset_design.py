@@ -15,7 +15,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, unheard
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 from cyclemap.resets.action_cycles import (
     SampledTurns,
@@ -274,7 +274,7 @@ def design_reset(
     cyclemap.errors.InvalidInput: sigma must be positive, not -1.0
     """
     wanted = demands or ResetDemands()
-    report = part_of(progress, 0, 1)
+    report = progress or unheard
     report(0.0)
     about = range_of(loop.material, materials)
     nominal = replace(loop, material=about.nominal)

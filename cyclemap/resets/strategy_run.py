@@ -15,7 +15,7 @@ from cyclemap.checks import finite_number, non_negative_number, read_only, whole
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.laws.turn_bins import bin_shares
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, unheard
 from cyclemap.protocol.strategy import ResetStrategy
 from cyclemap.resets.coverage import Crowding
 
@@ -107,6 +107,7 @@ def run_strategy(
     chosen = drawn_actions(strategy, count, many, seed)
     kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
     turns = np.array([action.turn for action in strategy.actions])
+    report = progress or unheard
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
@@ -116,7 +117,7 @@ def run_strategy(
         doing = chosen[:, cycle]
         ran = run_cycles([today[action] for action in doing.tolist()], theta[:, cycle, None])
         theta[:, cycle + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, cycle]
-        part_of(progress, cycle, count)(1.0)
+        report((cycle + 1) / count)
     return StrategyRun(read_only(theta), chosen)
 
 

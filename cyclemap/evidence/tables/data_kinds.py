@@ -189,8 +189,8 @@ class DataFile:
 
 
 def files_of_data(path: str | Path) -> list[Path]:
-    """Return what is looked at of a file, folder or tree: each CSV table, and the folder itself where
-    it has files of the MIT layout, or nothing.
+    """Return what is looked at of a file, folder or tree: each CSV table, and the folder itself
+    where it has files of the MIT layout, or nothing.
 
     Raises InvalidInput where there is nothing at `path`.
     """
