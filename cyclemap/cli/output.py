@@ -101,8 +101,8 @@ def publish(
     """Write stem.json and the picture beside it, and send the report where --json says; unless it
     took the terminal, tell people the rest, where the picture is, and what comes after that.
     """
-    picture = write_result(report, figure, stem, results.picture_format)
-    if not publish_json(report, results.json_target):
+    picture = write_result(report, figure, stem, results.format)
+    if not publish_json(report, results.json):
         PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
 

@@ -9,13 +9,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from cyclemap.cli.commands import FingerprintOptions, PortraitOptions, StaircaseOptions
 from cyclemap.cli.json_report import (
     orbit_report,
     portrait_report,
     staircase_report,
     uncertainty_report,
 )
-from cyclemap.cli.options import ResultOptions, RunOptions
+from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
     margins_of,
@@ -37,7 +38,6 @@ from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, chosen_loop
 from cyclemap.views import fingerprint_page, portrait_page, sentences
 from cyclemap.written import DEGREES, Json, degrees, direction_deg, json_of, written
 
@@ -47,15 +47,15 @@ if TYPE_CHECKING:
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
 
-def run_portrait(asked: RunOptions, margin: bool) -> None:
+def run_portrait(asked: PortraitOptions) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs = asked.pairs()
-    chosen = chosen_collection(asked.options, asked.data).simplified()
+    pairs = _pairs(asked)
+    chosen = asked.loop.chosen_collection(asked.data).simplified()
     loop = chosen.loop
     if chosen.strategy is not None:
         from cyclemap.cli.run_reset import run_strategy_portrait
 
-        if margin:
+        if asked.margin:
             raise InvalidInput(
                 "--margin tells how far one loop's settings are from a change, and a strategy "
                 "has many"
@@ -68,7 +68,7 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     measured = None if pairs is None else _overlay(pairs, drawn)
     report = portrait_report(drawn, measured)
     margins = list[Told]()
-    if margin:
+    if asked.margin:
         report["margins"], margins = margins_of(loop)
     publish(
         report,
@@ -121,14 +121,24 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
     return replace(overlay, agreement=cycle_agreement(model, drawn.loop, pairs).agreement)
 
 
-def run_staircase(asked: RunOptions) -> None:
+def _pairs(asked: RunOptions) -> Theta0Pairs | None:
+    """The measured pairs of θ0, if any."""
+    if asked.data is None:
+        return None
+    from cyclemap.cli.readable_data import readable_data
+    from cyclemap.evidence.comparison.collection_data import measured_pairs
+
+    return measured_pairs(readable_data(asked.data, asked.table, asked.results.out))
+
+
+def run_staircase(asked: StaircaseOptions) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people
     or as JSON.
     """
     from cyclemap.evidence import measured_staircase
 
-    pairs = asked.pairs()
-    chosen = chosen_collection(asked.options, asked.data).simplified()
+    pairs = _pairs(asked)
+    chosen = asked.loop.chosen_collection(asked.data).simplified()
     loop = chosen.loop
     measured = None if pairs is None else measured_staircase(pairs, asked.seed)
     if chosen.strategy is not None:
@@ -154,21 +164,16 @@ def run_staircase(asked: RunOptions) -> None:
     )
 
 
-def run_fingerprint(
-    options: LoopOptions,
-    check: bool,
-    margin: bool,
-    results: ResultOptions,
-) -> None:
+def run_fingerprint(asked: FingerprintOptions) -> None:
     """Compute the fingerprint and the prediction, draw both, and print them for people or as
     JSON.
     """
-    loop = chosen_loop(options).loop
+    loop = asked.loop.chosen_loop().loop
     surface = Anisotropy.of(loop.material.friction)
     bow = floor_bow(loop)
-    is_named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
-    if check and not predicts:
+    if asked.check and not predicts:
         if bow:
             raise InvalidInput(
                 f"--check compares a prediction for a floor without a bow, but this one has "
@@ -179,10 +184,10 @@ def run_fingerprint(
         )
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
-        numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
+        numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if asked.check else report)
         prediction = predict(numbers, surface) if predicts else None
         checked = None
-        if check and prediction is not None:
+        if asked.check and prediction is not None:
             checked = check_prediction(
                 prediction, loop, progress=lambda done: report(0.2 + 0.8 * done)
             )
@@ -202,7 +207,7 @@ def run_fingerprint(
             fingerprint_page.lock_in_sentence(prediction),
             fingerprint_page.trust_sentence(prediction),
         ]
-    if margin:
+    if asked.margin:
         as_json["margins"], margins = margins_of(loop)
         lines += margins
     if bow:
@@ -213,8 +218,8 @@ def run_fingerprint(
     publish(
         as_json,
         fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
-        result_stem(results.out, "fingerprint", loop, name),
-        results,
+        result_stem(asked.results.out, "fingerprint", loop, name),
+        asked.results,
         *lines,
     )
 

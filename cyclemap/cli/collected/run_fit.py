@@ -11,8 +11,8 @@ import click
 import numpy as np
 from rich.table import Table
 
+from cyclemap.cli.commands import FitOptions
 from cyclemap.cli.json_report import FACT_UNITS, UNITS, facts_report
-from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
@@ -21,6 +21,7 @@ from cyclemap.cli.output import (
     publish_json,
     write_result,
 )
+from cyclemap.cli.readable_data import readable_data
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.laws.measured_cycle_map import (
@@ -58,20 +59,14 @@ MOST_PERCENT = 1000.0
 NOTE_LETTERS = 60
 
 
-def run_fit(
-    data: Path,
-    table: TableOptions,
-    select: tuple[str, ...],
-    harmonics: int | None,
-    wear: bool,
-    seed: int,
-    results: ResultOptions,
-) -> None:
+def run_fit(asked: FitOptions) -> None:
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as
     JSON.
     """
-    read = readable_data(data, table, results.out)
-    chosen = selected_values(select)
+    data = asked.data
+    results = asked.results
+    read = readable_data(data, asked.table, results.out)
+    selected = selected_values(asked.select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(read, progress=report)
     if not len(pushes.table) and pushes.unreadable:
@@ -82,19 +77,25 @@ def run_fit(
         )
     for words in check_pushes(pushes, loop_beside(data)):
         click.echo(words, err=True)
-    sets = push_sets(pushes, chosen)
+    sets = push_sets(pushes, selected)
     fits = list[SetFit]()
     pictures = list[Path]()
     with progress_bar("fitting") as report:
         for index, pushed_alike in enumerate(sets):
             share = part_of(report, index, len(sets))
             fits.append(
-                fit_set(pushed_alike, harmonics=harmonics, wear=wear, seed=seed, progress=share)
+                fit_set(
+                    pushed_alike,
+                    harmonics=asked.harmonics,
+                    wear=asked.wear,
+                    seed=asked.seed,
+                    progress=share,
+                )
             )
     for fit in (fit for fit in fits if not fit.is_empty):
         stem = results.out / f"fit_{file_stem(fit.pushes.name)}"
-        pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.picture_format))
-    if publish_json(fit_report(pushes, fits), results.json_target):
+        pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.format))
+    if publish_json(fit_report(pushes, fits), results.json):
         return
     _tell(pushes, fits, pictures)
 

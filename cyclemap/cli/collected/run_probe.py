@@ -4,15 +4,16 @@ and a picture.
 
 import shlex
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 import click
 
+from cyclemap.cli.commands import ProbeOptions
 from cyclemap.cli.json_report import PLAIN_UNITS, UNITS
-from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import publish
+from cyclemap.cli.readable_data import readable_data
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import load_pushes
@@ -28,22 +29,8 @@ from cyclemap.evidence.push_probe import (
 )
 from cyclemap.evidence.pushes.measured_strokes import told
 from cyclemap.mechanics import load_material
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.push_pages import probe_page, probe_sentences
 from cyclemap.written import Json, degrees, json_of
-
-
-@dataclass(frozen=True)
-class ProbeOptions:
-    """What `cyclemap probe` was asked."""
-
-    options: LoopOptions
-    data: Path | None
-    program: str | None
-    python: str | None
-    count: int
-    table: TableOptions
-    results: ResultOptions
 
 
 def run_probe(asked: ProbeOptions) -> None:
@@ -78,7 +65,7 @@ def _probed(asked: ProbeOptions) -> Probe:
             "say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION"
         )
     loop = replace(
-        chosen_loop(asked.options, asked.data).loop,
+        asked.loop.chosen_loop(asked.data).loop,
         material=load_material("isotropic"),
         accuracy=1e-6,
     )

@@ -4,12 +4,11 @@ picture.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.collected.run_fit import reasons_of, selected_values
+from cyclemap.cli.commands import ReplayOptions
 from cyclemap.cli.json_report import FACT_UNITS
-from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     file_stem,
     people_table,
@@ -17,6 +16,7 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
 )
+from cyclemap.cli.readable_data import readable_data
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.comparison.replay_table import (
     DATASET_PUSHER,
@@ -25,7 +25,6 @@ from cyclemap.evidence.comparison.replay_table import (
     replay_pushes,
 )
 from cyclemap.mechanics.plate_footprint import plate_note
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.push_pages import replay_headline, replay_page
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, degrees, rows, written
 
@@ -49,31 +48,27 @@ COLUMNS = (
 )
 
 
-def run_replay(
-    options: LoopOptions,
-    data: Path,
-    table: TableOptions,
-    select: tuple[str, ...],
-    pusher_friction: float | None,
-    results: ResultOptions,
-) -> None:
+def run_replay(asked: ReplayOptions) -> None:
     """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's
     friction may be named.
     """
-    chosen = chosen_loop(options, data)
+    chosen = asked.loop.chosen_loop(asked.data)
     loop = chosen.loop
     material = chosen.loop.material
     identified = material.found_with.pusher_friction
-    if pusher_friction is not None or ("pusher_mu" not in chosen.settings and identified is None):
-        friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
+    friction = asked.pusher_friction
+    if friction is None and "pusher_mu" not in chosen.settings and identified is None:
+        friction = DATASET_PUSHER.friction
+    if friction is not None:
         loop = replace(loop, pusher=replace(loop.pusher, friction=friction))
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
-    read = readable_data(data, table, results.out)
-    with progress_bar(f"replaying {data.name}") as report:
-        replayed = replay_pushes(read, loop, select=selected_values(select), progress=report)
+    read = readable_data(asked.data, asked.table, asked.results.out)
+    selected = selected_values(asked.select)
+    with progress_bar(f"replaying {asked.data.name}") as report:
+        replayed = replay_pushes(read, loop, select=selected, progress=report)
     if not replayed.replays:
         raise CycleMapError(
-            f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}"
+            f"{asked.data}: no push could be replayed: {reasons_of(replayed.not_replayed)}"
         )
     seen = [name for name in replayed.table["object"].unique() if name in sliders]
     notes = [
@@ -86,8 +81,8 @@ def run_replay(
     publish(
         replay_report(replayed, material.name, loop.pusher.friction, notes),
         replay_page(replayed, material.name),
-        result_stem(results.out, "replay", loop),
-        results,
+        result_stem(asked.results.out, "replay", loop),
+        asked.results,
         replay_headline(replayed),
         errors_table,
         *(f"note: {note}" for note in notes),
