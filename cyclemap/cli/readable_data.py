@@ -9,19 +9,28 @@ from pathlib import Path
 
 import click
 
+from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.options import TableOptions
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence import load_pushes
+from cyclemap.errors import InvalidInput, unknown_name
+from cyclemap.evidence import UnreadableFile, load_pushes
 from cyclemap.evidence.tables.columns import known_columns, our_names, our_text
 from cyclemap.evidence.tables.conventions import Convention, as_read_name, convention_of
 from cyclemap.evidence.tables.data_kinds import FileKind, file_kind, is_csv
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.evidence.tables.planned_table import filled_text
 from cyclemap.evidence.tables.pose_streams import Segments, UnclearStream
+from cyclemap.plain_text import key_and_value, plain_number
 from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import file_stem, read_csv_table, write_whole
 from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import stream_page
+
+# Facts by which pushes are selected, and the names of these in the files.
+SELECT_KEYS = {
+    unit.named(fact): fact for fact, unit in FACT_UNITS.items() if fact != "acceleration"
+} | {"shape": "object"}
+# Bad files are told by name up to this many, and counted beyond.
+MOST_NAMED = 10
 
 
 def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
@@ -119,3 +128,34 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
     ).table
     known = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
     return our_text(known.to_dict("series"))
+
+
+def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
+    """The columns and values of `key=value` texts, in SI units and radians; `shape` is another word
+    for `object`.
+
+    >>> selected_values(("surface=plywood", "speed_mm_s=20"))
+    {'surface': 'plywood', 'speed': 0.02}
+    """
+    values: dict[str, str | float] = {}
+    for pair in pairs:
+        key, text = key_and_value("--select", pair)
+        if key not in SELECT_KEYS:
+            raise unknown_name("selection", key, SELECT_KEYS)
+        column = SELECT_KEYS[key]
+        values[column] = text
+        if column not in ("surface", "object"):
+            try:
+                values[column] = value = plain_number(text) / FACT_UNITS[column].of_si(1.0)
+            except ValueError:
+                value = math.nan
+            if not math.isfinite(value):
+                raise InvalidInput(f"--select {key}={text}: give a finite number")
+    return values
+
+
+def reasons_of(left_out: Sequence[UnreadableFile]) -> list[str]:
+    """Why files were left out, the first of them by name, the others counted."""
+    named = [f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED]]
+    more = len(left_out) - MOST_NAMED
+    return [*named, f"and {more} more"] if more > 0 else named

@@ -13,6 +13,7 @@ from pathlib import Path
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
+from cyclemap.plain_text import key_and_value
 from cyclemap.protocol.collection_file import data_settings, names_surface
 from cyclemap.protocol.protocol_file import read_protocol
 from cyclemap.protocol.setting_table import SETTINGS, Settings, setting_named, without_noise
@@ -145,8 +146,6 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
     """
     settings: dict[str, object] = {}
     for pair in pairs:
-        key, equals, value = (word.strip() for word in pair.partition("="))
-        if not (key and equals and value):
-            raise InvalidInput(f"--set {pair!r} is not of the form key=value")
+        key, value = key_and_value("--set", pair)
         settings[key] = SETTINGS[key].parsed(value) if key in SETTINGS else value
     return settings

@@ -17,7 +17,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Slider, load_material
-from cyclemap.plain_text import json_value, plain_number, plain_whole
+from cyclemap.plain_text import json_value, key_and_value, plain_number, plain_whole
 from cyclemap.protocol.setting_table import POINTS, SETTINGS, WORD, Setting
 
 MATERIAL_KEY, FOOTPRINT_KEY = "material", "footprint"
@@ -140,9 +140,7 @@ def parse_over(text: str) -> SweptKey:
     >>> parse_over("material=plywood,abs").values
     ('plywood', 'abs')
     """
-    key, equals, values = (word.strip() for word in text.partition("="))
-    if not (key and equals and values):
-        raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
+    key, values = key_and_value("--over", text, "key=start:stop:count or key=a,b,c")
     check_key(key)
     kind, parts = SWEPT[key].kind, values.split(":")
     if kind == WORD:

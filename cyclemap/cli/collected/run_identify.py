@@ -9,12 +9,11 @@ from collections.abc import Sequence
 import click
 from rich.table import Table
 
-from cyclemap.cli.collected.run_fit import selected_values
 from cyclemap.cli.commands import IdentifyOptions
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import pair_in_metres, words_of
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
-from cyclemap.cli.readable_data import readable_tables
+from cyclemap.cli.readable_data import readable_tables, selected_values
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import (
@@ -35,7 +34,7 @@ from cyclemap.evidence.identified_words import implausible, readable_kind, reada
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import key_and_value, plain_number
 from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
@@ -183,7 +182,7 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     """
     values = {}
     for pair in pairs:
-        name, _, text = (word.strip() for word in pair.partition("="))
+        name, text = key_and_value("--fix", pair, "name=number")
         try:
             values[name] = plain_number(text)
         except ValueError as cause:

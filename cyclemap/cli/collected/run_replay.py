@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from cyclemap.cli.collected.run_fit import reasons_of, selected_values
 from cyclemap.cli.commands import ReplayOptions
 from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.output import (
@@ -16,7 +15,7 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
 )
-from cyclemap.cli.readable_data import readable_data
+from cyclemap.cli.readable_data import readable_data, reasons_of, selected_values
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.comparison.replay_table import (
     DATASET_PUSHER,
@@ -66,10 +65,9 @@ def run_replay(asked: ReplayOptions) -> None:
     selected = selected_values(asked.select)
     with progress_bar(f"replaying {asked.data.name}") as report:
         replayed = replay_pushes(read, loop, select=selected, progress=report)
+    reasons = "; ".join(reasons_of(replayed.not_replayed))
     if not replayed.replays:
-        raise CycleMapError(
-            f"{asked.data}: no push could be replayed: {reasons_of(replayed.not_replayed)}"
-        )
+        raise CycleMapError(f"{asked.data}: no push could be replayed: {reasons}")
     seen = [name for name in replayed.table["object"].unique() if name in sliders]
     notes = [
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
@@ -77,7 +75,6 @@ def run_replay(asked: ReplayOptions) -> None:
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors_table.add_row(*_cells(row))
-    left_out = replayed.not_replayed
     publish(
         replay_report(replayed, material.name, loop.pusher.friction, notes),
         replay_page(replayed, material.name),
@@ -86,7 +83,7 @@ def run_replay(asked: ReplayOptions) -> None:
         replay_headline(replayed),
         errors_table,
         *(f"note: {note}" for note in notes),
-        f"not replayed: {reasons_of(left_out)}" if left_out else "",
+        f"not replayed: {reasons}" if reasons else "",
     )
 
 
