@@ -20,7 +20,8 @@ from cyclemap.mechanics import Slider, load_material
 from cyclemap.plain_text import json_value, key_and_value, plain_number, plain_whole
 from cyclemap.protocol.setting_table import POINTS, SETTINGS, WORD, Setting
 
-MATERIAL_KEY, FOOTPRINT_KEY = "material", "footprint"
+MATERIAL_KEY = "material"
+FOOTPRINT_KEY = "footprint"
 SWEPT = {
     **SETTINGS,
     MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD),
@@ -142,7 +143,8 @@ def parse_over(text: str) -> SweptKey:
     """
     key, values = key_and_value("--over", text, "key=start:stop:count or key=a,b,c")
     check_key(key)
-    kind, parts = SWEPT[key].kind, values.split(":")
+    kind = SWEPT[key].kind
+    parts = values.split(":")
     if kind == WORD:
         return SweepAxis(key, tuple(word.strip() for word in values.split(",")))
     if len(parts) == 1:

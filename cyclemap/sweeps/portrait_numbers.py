@@ -182,7 +182,9 @@ def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:
 
 # How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics
 # are looked at.
-_COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
+_COARSER = 10.0
+_FIRST_ITERATES = 2048
+_SHARES = 8
 
 Values = dict[str, float | tuple[float, ...]]
 
@@ -381,7 +383,8 @@ class _Work:
         theta = pieces.knots[:-1] + np.linspace(0.0, 1.0, _SHARES, endpoint=False)[
             :, None
         ] * np.diff(pieces.knots)
-        turn, error = self.map.turn(theta.T.ravel()), self.map.max_error
+        turn = self.map.turn(theta.T.ravel())
+        error = self.map.max_error
         below, above = (np.floor((turn + side * error) / (2.0 * np.pi)) for side in (-1.0, 1.0))
         clear = np.flatnonzero(below == above)
         if not clear.size:
@@ -398,17 +401,13 @@ class _Work:
 
 def _rotation_values(work: _Work) -> Values:
     rotation = work.rotation
-    winding, period = (
-        (0, 0)
-        if rotation.locked is None
-        else (rotation.locked.numerator, rotation.locked.denominator)
-    )
+    locked = rotation.locked
     return {
         "rotation": float(rotation.value),
         "rotation_lower": rotation.lower,
         "rotation_upper": rotation.upper,
-        "locked_winding": float(winding),
-        "locked_period": float(period),
+        "locked_winding": 0.0 if locked is None else float(locked.numerator),
+        "locked_period": 0.0 if locked is None else float(locked.denominator),
     }
 
 
