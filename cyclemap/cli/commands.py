@@ -142,7 +142,7 @@ class AuditOptions:
     results: ResultOptions = option("audit_DATA.png and .json")
 
 
-@command("collected.run_probe")
+@command("collected.run_pushes")
 class ProbeOptions:
     """Ask whether pushes depend on their direction, what friction ellipse does the same, and where
     it would lock in.
@@ -433,7 +433,7 @@ class CompareOptions:
     results: ResultOptions = option("compare_MATERIAL.png and .json")
 
 
-@command("collected.run_replay")
+@command("collected.run_pushes")
 class ReplayOptions:
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 

@@ -7,10 +7,10 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
+from cyclemap.cli.collected.readable_data import readable_data
 from cyclemap.cli.commands import ExploreOptions, ReportOptions
 from cyclemap.cli.options import said_command
 from cyclemap.cli.output import progress_bar, result_stem, write_page
-from cyclemap.cli.readable_data import readable_data
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data, measured_pairs
 from cyclemap.maps import WrappedNormal

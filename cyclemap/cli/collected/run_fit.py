@@ -9,6 +9,7 @@ import click
 import numpy as np
 from rich.table import Table
 
+from cyclemap.cli.collected.readable_data import readable_data, reasons_of, selected_values
 from cyclemap.cli.commands import FitOptions
 from cyclemap.cli.json_report import UNITS, facts_report
 from cyclemap.cli.output import (
@@ -19,7 +20,6 @@ from cyclemap.cli.output import (
     publish_json,
     write_result,
 )
-from cyclemap.cli.readable_data import readable_data, reasons_of, selected_values
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, load_pushes
 from cyclemap.evidence.laws.measured_cycle_map import (

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import click
 from rich.table import Table
 
+from cyclemap.cli.collected.readable_data import readable_tables, selected_values
 from cyclemap.cli.commands import IdentifyOptions
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import pair_in_metres, words_of
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
-from cyclemap.cli.readable_data import readable_tables, selected_values
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import (

@@ -13,6 +13,7 @@ import click
 from rich.table import Table
 
 from cyclemap.arrays import Array
+from cyclemap.cli.collected.readable_data import readable_tables
 from cyclemap.cli.commands import PlanOptions
 from cyclemap.cli.json_report import millimetres, push_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, said_command
@@ -26,7 +27,6 @@ from cyclemap.cli.output import (
     publish_json,
     styled,
 )
-from cyclemap.cli.readable_data import readable_tables
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identified_words import implausible

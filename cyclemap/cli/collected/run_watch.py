@@ -10,6 +10,7 @@ from pathlib import Path
 
 import click
 
+from cyclemap.cli.collected.readable_data import readable_data, tell_what_was_read
 from cyclemap.cli.commands import AuditOptions, WatchOptions
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
@@ -20,7 +21,6 @@ from cyclemap.cli.output import (
     publish_json,
     write_result,
 )
-from cyclemap.cli.readable_data import readable_data, tell_what_was_read
 from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
 from cyclemap.collection.logged_turns import turns_after_log
 from cyclemap.collection.loop import CollectionLoop
