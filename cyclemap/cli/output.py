@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -66,16 +66,25 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     return out / (f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}")
 
 
+def with_ending(stem: Path, ending: str) -> Path:
+    """Return where a file of some results goes: beside the others, under their name."""
+    return stem.with_name(f"{stem.name}{ending}")
+
+
 def write_json(path: Path, report: Json) -> None:
     """Write `report` as JSON to the file `path`."""
+    write_whole(path, _json_bytes(report))
+
+
+def _json_bytes(report: Json) -> bytes:
     # A path need not be text; JSON has a way to write what is none.
-    write_whole(path, json_text(_with_doubts(report)).encode(errors="backslashreplace"))
+    return _with_doubts(report).encode(errors="backslashreplace")
 
 
-def _with_doubts(report: Json) -> Json:
-    """The report, and what was doubted of the input, if anything was."""
+def _with_doubts(report: Json) -> str:
+    """The text of a report, and what was doubted of the input, if anything was."""
     doubts = warnings_so_far()
-    return {**report, "warnings": doubts} if doubts else report
+    return json_text({**report, "warnings": doubts} if doubts else report)
 
 
 def publish_json(report: Json, target: str | None) -> bool:
@@ -83,7 +92,7 @@ def publish_json(report: Json, target: str | None) -> bool:
     else.
     """
     if target == "-":
-        click.echo(json_text(_with_doubts(report)), nl=False)
+        click.echo(_with_doubts(report), nl=False)
         return True
     if target is not None:
         write_json(Path(target), report)
@@ -97,28 +106,39 @@ def publish(
     results: ResultOptions,
     *words: Told,
     after: Sequence[str] = (),
+    beside: Mapping[Path, bytes] | None = None,
 ) -> None:
-    """Write stem.json and the picture beside it, and send the report where --json says; unless it
-    took the terminal, tell people the rest, where the picture is, and what comes after that.
+    """Write stem.json, the picture and files beside it, and send the report where --json says;
+    unless it took the terminal, tell people the rest, where the picture is, and what comes after
+    that.
     """
-    picture = write_result(report, figure, stem, results.format)
+    picture = write_result(report, figure, stem, results.format, beside)
     if not publish_json(report, results.json):
         PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
 
-def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
-    """Write stem.json and the picture beside it, and return the picture's path."""
+def write_result(
+    report: Json,
+    figure: Figure,
+    stem: Path,
+    picture_format: str,
+    beside: Mapping[Path, bytes] | None = None,
+) -> Path:
+    """Write stem.json, the picture and files beside it, and return the picture's path."""
     from cyclemap.views.panels.layout import render
 
-    write_json(stem.with_name(f"{stem.name}.json"), report)
-    picture = stem.with_name(f"{stem.name}.{picture_format}")
-    write_whole(picture, render(figure, picture_format))
+    picture = with_ending(stem, f".{picture_format}")
+    # All of the content is made before the first file is written.
+    results = {with_ending(stem, ".json"): _json_bytes(report)}
+    results[picture] = render(figure, picture_format)
+    for path, content in {**(beside or {}), **results}.items():
+        write_whole(path, content)
     return picture
 
 
 def write_page(page: str, stem: Path) -> Path:
     """Write a page as stem.html, tell people where, and return that."""
-    place = stem.with_name(f"{stem.name}.html")
+    place = with_ending(stem, ".html")
     content = page.encode()
     write_whole(place, content)
     click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")

@@ -17,6 +17,7 @@ from cyclemap.cli.output import (
     publish,
     publish_json,
     result_stem,
+    with_ending,
     write_json,
 )
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
@@ -80,7 +81,7 @@ def run_cycle(asked: CycleOptions) -> None:
     report: Json = {"cycles": all_rows}
     if asked.out is not None:
         stem = result_stem(asked.out, "cycles", chosen.loop)
-        write_json(stem.with_name(f"{stem.name}.json"), report)
+        write_json(with_ending(stem, ".json"), report)
     if not publish_json(report, asked.json):
         for table in tables:
             PeopleConsole().print_table(table)

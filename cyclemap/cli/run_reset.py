@@ -9,7 +9,15 @@ from cyclemap.arrays import Array
 from cyclemap.cli.commands import ResetOptions
 from cyclemap.cli.json_report import actions_report, measured_report, steps_report
 from cyclemap.cli.options import RunOptions
-from cyclemap.cli.output import Told, people_table, progress_bar, publish, result_stem, styled
+from cyclemap.cli.output import (
+    Told,
+    people_table,
+    progress_bar,
+    publish,
+    result_stem,
+    styled,
+    with_ending,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
@@ -75,7 +83,8 @@ def run_reset(asked: ResetOptions) -> None:
         )
     stem = result_stem(asked.results.out, "reset", chosen.loop)
     strategy = design.chosen.strategy
-    protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
+    protocol = with_ending(stem, ".toml")
+    schedule = with_ending(stem, ".csv")
     write_protocol(
         protocol, design.loop, strategy, noise=chosen.noise, predicted=_predicted(design.chosen)
     )
