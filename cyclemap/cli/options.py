@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from cyclemap.errors import DoubtfulInput, InvalidInput
-from cyclemap.plain_text import plain_number, plain_whole, printable
+from cyclemap.plain_text import key_and_value, plain_number, plain_whole, printable
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -232,12 +232,8 @@ class TableOptions:
     def named_columns(self) -> dict[str, str]:
         """Columns by what they are; InvalidInput where that cannot be read."""
         named = {}
-        for pair in filter(str.strip, (self.columns or "").split(",")):
-            name, _, column = (word.strip() for word in pair.partition("="))
-            if not (name and column):
-                raise InvalidInput(
-                    f"--columns {self.columns}: give it as theta0=yaw,theta_next=yaw_after"
-                )
+        for pair in words_of(self.columns or ""):
+            name, column = key_and_value("--columns", pair, "theta0=yaw,theta_next=yaw_after")
             named[name] = column
         return named
 
@@ -363,7 +359,7 @@ def warnings_so_far() -> list[str]:
 
 
 @contextmanager
-def told_warnings() -> Iterator[None]:
+def shown_warnings() -> Iterator[None]:
     """Tell each doubt about the input once, as long as the block lasts."""
     _doubts.clear()
 

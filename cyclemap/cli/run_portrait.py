@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from rich.table import Table
+
 from cyclemap.cli.commands import FingerprintOptions, PortraitOptions, StaircaseOptions
 from cyclemap.cli.json_report import (
     measured_report,
@@ -252,14 +254,7 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
     if asked.check and not predicts:
-        if bow:
-            raise InvalidInput(
-                f"--check compares a prediction for a floor without a bow, but this one has "
-                f"{bow:.3g} mean pressures: set floor_bow=0, or ask for the portrait"
-            )
-        raise InvalidInput(
-            "--check compares a prediction with the full map: name a MATERIAL or set its friction"
-        )
+        raise InvalidInput(_why_unpredicted(bow))
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
         numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if asked.check else report)
@@ -271,13 +266,7 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
             )
     known = direction_uncertainty(loop) if predicts else None
     as_json = fingerprint_report(numbers, prediction, checked, name, known)
-    rows = []
-    for stroke in ("push", "drag", "cycle"):
-        rows.append((stroke, *fingerprint_page.seven_numbers(getattr(numbers, stroke))))
-    lines: list[Told] = [
-        people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)),
-        fingerprint_page.protocol_sentence(numbers),
-    ]
+    lines: list[Told] = [_seven_numbers(numbers), fingerprint_page.protocol_sentence(numbers)]
     if prediction is not None:
         lines += [
             fingerprint_page.surface_sentence(prediction, name),
@@ -288,22 +277,36 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     if asked.margin:
         as_json["margins"], margins = margins_of(loop)
         lines += margins
-    if bow:
-        lines.append(fingerprint_page.bow_sentence(numbers, bow))
-    lines.append(sentences.uncertainty_sentence(name, known))
-    if checked is not None:
-        lines.append(fingerprint_page.check_sentence(checked))
     publish(
         as_json,
         fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
         result_stem(asked.results.out, "fingerprint", loop, name),
         asked.results,
         *lines,
+        fingerprint_page.bow_sentence(numbers, bow) if bow else "",
+        sentences.uncertainty_sentence(name, known),
+        "" if checked is None else fingerprint_page.check_sentence(checked),
     )
 
 
+def _why_unpredicted(bow: float) -> str:
+    if bow:
+        return (
+            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
+            "mean pressures: set floor_bow=0, or ask for the portrait"
+        )
+    return "--check compares a prediction with the full map: name a MATERIAL or set its friction"
+
+
+def _seven_numbers(numbers: Fingerprint) -> Table:
+    rows = []
+    for stroke in ("push", "drag", "cycle"):
+        rows.append((stroke, *fingerprint_page.seven_numbers(getattr(numbers, stroke))))
+    return people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,))
+
+
 def fingerprint_report(
-    found: Fingerprint,
+    numbers: Fingerprint,
     prediction: Prediction | None,
     checked: PredictionCheck | None,
     name: str,
@@ -315,8 +318,8 @@ def fingerprint_report(
     "uncertainty" is of the stable directions of the full map.
     """
     report: Json = {
-        **json_of(found.cycle),
-        **json_of(found, "push", "drag", "remainder", "bow_remainder"),
+        **json_of(numbers.cycle),
+        **json_of(numbers, "push", "drag", "remainder", "bow_remainder"),
     }
     if prediction is not None:
         report["prediction"] = _prediction(prediction, name)
