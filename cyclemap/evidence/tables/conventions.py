@@ -34,7 +34,8 @@ ANGLES: Mapping[str, tuple[float, float]] = {
 }
 RIGHT_HANDED, MIRRORED, SWAPPED = "right-handed", "mirrored", "swapped"
 FRAMES = (RIGHT_HANDED, MIRRORED, SWAPPED)
-KEYS = ("angles", "frame", "offset_deg")
+OFFSET = "offset_deg"
+KEYS = ("angles", "frame", OFFSET)
 # A table that was brought to our convention already ends so: what its folder says of the data is
 # done.
 AS_READ = "_as_read.csv"
@@ -120,6 +121,20 @@ class Convention:
             return y, x
         return (x, -y) if self.frame == MIRRORED else (x, y)
 
+    @property
+    def said(self) -> dict[str, str]:
+        """What it says, by the keys of [data]."""
+        degrees = f"{math.degrees(self.offset) + 0.0:.6g}"
+        return dict(zip(KEYS, (self.angles, self.frame, degrees), strict=True))
+
+    def changes(self, *others: Convention) -> dict[str, str]:
+        """Return what it says otherwise than one of the others."""
+        return {
+            key: value
+            for key, value in self.said.items()
+            if any(other.said[key] != value for other in others)
+        }
+
     def options(self, instead: Convention | None = None) -> str:
         """Return the options of the command line that say it.
 
@@ -130,14 +145,8 @@ class Convention:
         >>> Convention().options(instead=Convention("clockwise"))
         '--angles counter-clockwise'
         """
-        others = (OURS, OURS if instead is None else instead)
-        options = []
-        if any(self.angles != other.angles for other in others):
-            options.append(f"--angles {self.angles}")
-        if any(self.frame != other.frame for other in others):
-            options.append(f"--frame {self.frame}")
-        if any(self.offset != other.offset for other in others):
-            options.append(f"--offset-deg {math.degrees(self.offset):.6g}")
+        changes = self.changes(OURS, OURS if instead is None else instead).items()
+        options = (f"--{key.replace('_', '-')} {value}" for key, value in changes)
         return " ".join(options) or "--angles counter-clockwise --frame right-handed"
 
     def words(self) -> str:
