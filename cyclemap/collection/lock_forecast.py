@@ -87,22 +87,6 @@ class LockForecast:
     samples: int = field(metadata=UNWRITTEN)
 
 
-def lock_forecast(
-    loop: CollectionLoop,
-    sigma: float,
-    cycles: int,
-    start: float = 0.0,
-    seed: int = 0,
-) -> LockForecast:
-    """Return what the next `cycles` pushes of a loop will bring, by its material's posterior.
-
-    All is as of `forecast_from_turns`, on the loop's `sampled_turns`. Raises InvalidInput for a
-    material without samples, and for fewer than 50 pushes.
-    """
-    whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
-    return forecast_from_turns(sampled_turns(loop), sigma, cycles, start, seed)
-
-
 def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Array:
     """Return the turns of a cycle, rad, from 96 angles all around on each of 40 samples of a
     posterior: (samples, 96).
