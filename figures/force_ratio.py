@@ -21,7 +21,7 @@ from cyclemap.evidence.data_blocks.force_blocks import (
     sliding_forces,
 )
 from cyclemap.evidence.pushes.contact_forces import contact_samples
-from cyclemap.evidence.pushes.mit_names import push_facts
+from cyclemap.evidence.pushes.recordings import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.scene import MM

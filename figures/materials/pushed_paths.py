@@ -20,7 +20,7 @@ from cyclemap.checks import read_only
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
-from cyclemap.evidence.pushes.mit_names import push_facts
+from cyclemap.evidence.pushes.recordings import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.views.panels.scene import MM
 from cyclemap.views.panels.style import cross

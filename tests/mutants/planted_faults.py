@@ -797,10 +797,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/tables/pose_streams.py": (
         f"{TABLES}/test_pose_streams.py",
         [
-            (
-                "= bool((change[first:end] > high).any())",
-                "= True",
-            ),
+            ("binary_propagation(change > high, mask=change > low)", "change > low"),
             (
                 "c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])",
                 "c, s = math.cos(poses[first, 2]), math.sin(poses[first, 2])",

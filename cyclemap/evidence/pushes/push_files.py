@@ -17,8 +17,15 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.recordings import PUSH_TABLES, PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import (
+    PUSH_TABLES,
+    PushFacts,
+    PushRecord,
+    ScanFacts,
+    ScanRecord,
+    push_facts,
+    scan_facts,
+)
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row
 from cyclemap.evidence.tables.conventions import Convention
 from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES, is_record

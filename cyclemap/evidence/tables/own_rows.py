@@ -218,22 +218,17 @@ def _episodes(stream: pandas.DataFrame) -> pandas.DataFrame:
     import pandas
 
     stream = stream.dropna(subset="episode")
-    episode = stream["episode"]
-    runs = (episode.diff() != 0.0).cumsum()
+    runs = (stream["episode"].diff() != 0.0).cumsum()
     stream = stream[runs.groupby(runs).transform("size") > 1]
     if stream.empty:
         raise InvalidInput("no push in it: no episode has two rows")
-    ends = list[dict[str, float]]()
-    for _, own in stream.groupby(runs):
-        # An episode that is missing is a gap.
-        row = {"repetition": own["episode"].iloc[0]}
-        own = own.assign(theta=np.unwrap(own["theta"]))
-        for end, place in (("0", 0), ("1", -1)):
-            row |= {
-                f"{name}{end}": own[name].iloc[place] for name in _known(own, "theta", "x", "y")
-            }
-        ends.append(row)
-    return pandas.DataFrame(ends)
+    unwrapped = stream.groupby(runs)["theta"].transform(np.unwrap)
+    episodes = stream.assign(theta=unwrapped).groupby(runs)
+    poses = episodes[_known(stream, "theta", "x", "y")]
+    # An episode that is missing is a gap.
+    columns = [episodes["episode"].first().rename("repetition")]
+    columns += [poses.first().add_suffix("0"), poses.last().add_suffix("1")]
+    return pandas.concat(columns, axis="columns").reset_index(drop=True)
 
 
 # -- in which order

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import binary_propagation, uniform_filter1d
 
 from cyclemap.arrays import Array, Mask, Whole, stretches
 from cyclemap.errors import DataFileError
@@ -170,7 +170,8 @@ def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
             f"{path}: {hidden}: give poses before and after each push, or smoother ones"
         )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
-    moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
+    high = max(seen, low, _SEEN_SHARE * moves)
+    moving = binary_propagation(change > high, mask=change > low)
     return _joined(stretches(~moving), t, course), noise
 
 
@@ -186,21 +187,12 @@ def _noise(courses: Array) -> float:
 
 def _change(courses: Array, half: int) -> Array:
     """How far the mean after each sample lies from the mean before it, (n,), m."""
-    means = uniform_filter1d(courses, half, axis=1, mode="nearest")
-    # A filter of this length is centred: its mean before a sample ends there.
-    ahead = np.roll(means, -(half - half // 2), axis=1)
-    ahead[:, -half:] = means[:, -1:]
-    behind = np.roll(means, half // 2 + 1, axis=1)
-    behind[:, : half + 1] = means[:, :1]
-    return np.asarray(np.sqrt(((ahead - behind) ** 2).sum(axis=0)))
-
-
-def _hysteresis(change: Array, high: float, low: float) -> Mask:
-    """Where a stretch above `low` is above `high` somewhere."""
-    moving = np.zeros(change.size, dtype=bool)
-    for first, end in stretches(change > low):
-        moving[first:end] = bool((change[first:end] > high).any())
-    return moving
+    # Of the window about a sample these ends lie on it.
+    behind, ahead = (
+        uniform_filter1d(courses, half, axis=1, mode="nearest", origin=origin)
+        for origin in ((half - 1) // 2, -(half // 2))
+    )
+    return np.asarray(np.linalg.norm(ahead - behind, axis=0))
 
 
 def _joined(rests: Sequence[tuple[int, int]], t: Array, course: Array) -> Whole:
