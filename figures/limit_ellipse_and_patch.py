@@ -11,8 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import Array, placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint

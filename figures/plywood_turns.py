@@ -12,9 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, placed
 from cyclemap.checks import read_only, whole_number
-from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.laws.turn_bins import MeasuredOverlay, TurnBins, measured_overlay, turn_bins

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
+from cyclemap.arrays import Array, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.mechanics import Trajectory
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.scene import MM, draw_object, draw_setup, mark_target
 from cyclemap.views.panels.style import (
@@ -19,6 +19,7 @@ from cyclemap.views.panels.style import (
     INK,
     PREDICTED,
     QUIET,
+    Look,
     arrow,
     picture_style,
     square_window,
@@ -37,11 +38,10 @@ _NAMES = (("k", "ᵏ"), ("k+1", "ᵏ⁺¹"))
 
 @dataclass(frozen=True, eq=False)
 class SetupAndCycles:
-    """The loop, two cycles of it, the second from where the first ended, and their scenes."""
+    """The loop, and two cycles of it, the second from where the first ended."""
 
     loop: CollectionLoop
     cycles: tuple[Cycle, Cycle]
-    scenes: tuple[CycleScene, CycleScene]
 
     @property
     def contact(self) -> Array:
@@ -55,8 +55,7 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
     """Run two cycles of the MIT loop on plywood from `START`; nothing here is measured."""
     loop = CollectionLoop.mit("plywood")
     first = loop.cycle(START)
-    second = loop.cycle(first.theta_next)
-    return SetupAndCycles(loop, (first, second), (first.scene(), second.scene()))
+    return SetupAndCycles(loop, (first, loop.cycle(first.theta_next)))
 
 
 @picture_style()
@@ -89,30 +88,33 @@ def _dimension(axes: Axes, start: float, end: float, level: float) -> None:
 
 def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
     corners = []
-    shown = zip(result.cycles, result.scenes, _NAMES, _CYCLE_COLOURS, strict=True)
-    for cycle, scene, (index, raised), colour in shown:
-        for outline, width in ((scene.push.before, 1.6), (scene.push.after, 0.7)):
-            draw_object(axes, outline, facecolor="none", edgecolor=colour, linewidth=width)
-        _path(axes, scene.push, colour, "-", f"push {index}")
-        _path(axes, scene.drag, colour, (0, (4, 2)), f"drag back {index}")
-        tip = MM * scene.push.rod[0]
+    outline = result.loop.slider.outline_points()
+    shown = zip(result.cycles, _NAMES, _CYCLE_COLOURS, strict=True)
+    for cycle, (index, raised), colour in shown:
+        push, drag = cycle.trajectory.push, cycle.trajectory.drag
+        for pose, width in zip(push.pose[[0, -1]], (1.6, 0.7), strict=True):
+            look: Look = {"facecolor": "none", "edgecolor": colour, "linewidth": width}
+            draw_object(axes, placed(pose, outline), **look)
+        _path(axes, push, colour, "-", f"push {index}")
+        _path(axes, drag, colour, (0, (4, 2)), f"drag back {index}")
+        tip = MM * push.pusher[0]
         # The touched side's inward normal is -y in the object's frame.
         turned = np.array([0.0, 0.0, cycle.theta + result.loop.push.angle])
         way = placed(turned, np.array([0.0, -1.0]))
-        corners += [*(MM * scene.push.reach), tip - (_ARROW + _WORDS) * way]
+        corners.append(tip - (_ARROW + _WORDS) * way)
         arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
         words = f"push {index}, from\nθ₀{raised} = {angle(cycle.theta, 0)}"
         x, y = (tip - (_ARROW + 4.0) * way).tolist()
         lean = "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
         axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
     mark_target(axes)
-    square_window(axes, np.array(corners))
+    square_window(axes, np.vstack([axes.dataLim.get_points(), *corners]))
     axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
     entitle(axes, "Path of the centre in cycles k and k+1")
 
 
-def _path(axes: Axes, stroke: StrokeScene, colour: str, dash: object, label: str) -> None:
-    path = MM * stroke.centre
+def _path(axes: Axes, course: Trajectory, colour: str, dash: object, label: str) -> None:
+    path = MM * course.pose[:, :2]
     axes.plot(*path.T, color=colour, linestyle=dash, linewidth=2.2, label=label, zorder=5)
     middle = len(path) // 2
     arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)

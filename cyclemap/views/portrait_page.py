@@ -44,7 +44,7 @@ def portrait_page(
         sentences.headline(portrait),
         words,
         foot,
-        cycle_key(curves.scene),
+        cycle_key(portrait.cycle),
         width_ratios=(5.2, 2.75, 3.2),
     )
     turn, cobweb, push, density, staircase, drag = panels
@@ -62,8 +62,8 @@ def portrait_page(
     if measured is not None:
         orientation.draw_measured_turns(turn, measured.pairs, measured.bins)
         orientation.draw_recorded(density, measured.histogram)
-    draw_cycle(push, drag, curves.scene)
     cycle = portrait.cycle
+    draw_cycle(push, drag, cycle)
     start, pushed, dragged = map(sentences.angle, (cycle.theta, cycle.push_turn, cycle.drag_turn))
     titles = (
         f"Turn of one cycle{', fresh' * (portrait.worn is not None)}",

@@ -15,9 +15,8 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array, evenly_spread
+from cyclemap.arrays import Array, evenly_spread, placed
 from cyclemap.checks import read_only
-from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
