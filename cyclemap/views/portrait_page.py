@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait import Portrait, StaircaseForecast
 from cyclemap.collection.portrait_curves import PortraitCurves
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps
 from cyclemap.views import sentences
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.orientation import draw_staircase, draw_step_lengths, draw_steps
 from cyclemap.views.panels.scene import cycle_key, draw_cycle
-from cyclemap.views.panels.staircase import draw_staircase, draw_step_lengths, draw_steps
 from cyclemap.views.panels.style import SECOND, picture_style
 from cyclemap.views.sentences import (
     LONGEST_STAY,
@@ -228,7 +229,7 @@ def _found(steps: Steps) -> str:
     if not steps.levels.size:
         return "rests nowhere"
     if not steps.count:
-        return f"stays at {angle(float(np.mod(steps.levels[0], 2 * np.pi)))}"
+        return f"stays at {angle(float(np.mod(steps.levels[0], TWO_PI)))}"
     length = f"{number(float(np.median(steps.lengths)))} cycles"
     return (
         f"makes {steps.count} steps of {angle(float(np.median(steps.heights)), 0)} after "
