@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array, Mask
+from cyclemap.arrays import Array, Mask, placed
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.cycle_scene import CycleScene
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
@@ -275,20 +274,14 @@ class Cycle(StrokePair[PushResult, DragResult]):
         push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
-    def scene(self) -> CycleScene:
-        """Return the cycle as outlines, paths and forces in the world, ready to draw."""
-        loop = self.loop
-        course = self.trajectory
-        return CycleScene.of_courses(loop.slider, loop.pusher.radius, course.push, course.drag)
-
     def _repr_html_(self) -> str:
-        scene = self.scene()
+        course, outline = self.trajectory, self.loop.slider.outline_points()
         outlines = [
-            Stroke(scene.push.before),
-            Stroke(scene.push.after, BLUE),
-            Stroke(scene.drag.after, GREY),
+            Stroke(placed(course.push.pose[0], outline)),
+            Stroke(placed(course.push.pose[-1], outline), BLUE),
+            Stroke(placed(course.drag.pose[-1], outline), GREY),
         ]
-        rod = [Stroke(stroke.rod, width=1.0) for stroke in (scene.push, scene.drag)]
+        rod = [Stroke(stroke.pusher, width=1.0) for stroke in (course.push, course.drag)]
         push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
         caption = (
             f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} "
