@@ -19,12 +19,13 @@ from cyclemap.cli.output import (
     write_json,
 )
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
+from cyclemap.collection.cycles import Cycles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     compare_dynamics,
     isotropic_twin,
 )
-from cyclemap.collection.loop import CollectionLoop, Cycles
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import (

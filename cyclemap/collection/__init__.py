@@ -42,6 +42,11 @@ if TYPE_CHECKING:
         BatchRun as BatchRun,
         batch_experiment as batch_experiment,
     )
+    from cyclemap.collection.cycles import (
+        Cycles as Cycles,
+        CycleSensitivity as CycleSensitivity,
+        CycleTrajectory as CycleTrajectory,
+    )
     from cyclemap.collection.dynamic_loop import (
         DynamicCycle as DynamicCycle,
         DynamicLoop as DynamicLoop,
@@ -64,9 +69,6 @@ if TYPE_CHECKING:
     from cyclemap.collection.loop import (
         CollectionLoop as CollectionLoop,
         Cycle as Cycle,
-        Cycles as Cycles,
-        CycleSensitivity as CycleSensitivity,
-        CycleTrajectory as CycleTrajectory,
         run_cycles as run_cycles,
     )
     from cyclemap.collection.loop_surfaces import (

@@ -9,13 +9,8 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
-from cyclemap.collection.loop import (
-    CollectionLoop,
-    Cycles,
-    CycleTrajectory,
-    StrokePair,
-    require_loop,
-)
+from cyclemap.collection.cycles import Cycles, CycleTrajectory, StrokePair
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint, PressedFootprint
 from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicModel
