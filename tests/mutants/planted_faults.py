@@ -742,7 +742,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("return self.theta_next - self.theta", "return self.theta - self.theta_next"),
             ("turn = shorter_way(np.diff(theta))", "turn = np.mod(np.diff(theta), TWO_PI)"),
-            ("off_next = (np.diff(number) == 1) & ", "off_next = "),
+            ("off_next = (np.diff(cycle) == 1) & ", "off_next = "),
             ("return far if far.sum() <= _MOST_BY_HAND * turn.size else none", "return none"),
         ],
     ),

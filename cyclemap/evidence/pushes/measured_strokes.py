@@ -62,25 +62,18 @@ class RowSelection:
         """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
         # Files spell a name as file names can.
-        names = (shape, file_stem(str(shape)))
-        if self.objects and _known(shape) and not set(names) & set(self.objects):
-            return (
-                f"of {shape}, not {self.objects[0]}"
-                if len(self.objects) == 1
-                else f"of {shape}, of unknown outline"
-            )
-        for name, wanted in self.chosen.items():
-            value = facts.get(name, math.nan)
-            if name == "object" or not _known(value):
+        if self.objects and _known(shape) and not {shape, file_stem(str(shape))} & {*self.objects}:
+            wanted = f"not {self.objects[0]}" if len(self.objects) == 1 else "of unknown outline"
+            return f"of {shape}, {wanted}"
+        for name, value in self.chosen.items():
+            own = facts.get(name, math.nan)
+            if name == "object" or not _known(own):
                 continue
-            if isinstance(wanted, str) or isinstance(value, str):
-                same = str(value) == str(wanted)
-            else:
-                same = math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
-            if not same:
-                return (
-                    f"of {name} {value if isinstance(value, str) else f'{value:g}'}, not {wanted}"
-                )
+            if isinstance(value, str) or isinstance(own, str):
+                if str(own) != str(value):
+                    return f"of {name} {own}, not {value}"
+            elif not math.isclose(own, value, rel_tol=1e-6, abs_tol=1e-9):
+                return f"of {name} {own:g}, not {value}"
         return ""
 
 
@@ -101,26 +94,24 @@ def select_pushes(
 
     tables_too : whether CSV tables count; else files of the MIT layout alone do.
     """
-    found, left_out = load_pushes(path, progress=progress), Counter[str]()
+    loaded, left_out = load_pushes(path, progress=progress), Counter[str]()
     if not tables_too:
-        table, scans = (frame[~in_csv(frame["path"])] for frame in (found.table, found.scans))
-        bad = [file for file in found.unreadable if not is_csv(file.path)]
-        found = replace(found, table=table, scans=scans, unreadable=tuple(bad))
-    kept = pushes_of(found, selection, left_out)
-    return replace(kept, unreadable=found.unreadable), left_out
+        table, scans = (frame[~in_csv(frame["path"])] for frame in (loaded.table, loaded.scans))
+        bad = [file for file in loaded.unreadable if not is_csv(file.path)]
+        loaded = replace(loaded, table=table, scans=scans, unreadable=tuple(bad))
+    kept = pushes_of(loaded, selection, left_out)
+    return replace(kept, unreadable=loaded.unreadable), left_out
 
 
-def pushes_of(
-    pushes: PushTable, selection: RowSelection, left_out: Counter[str] | None = None
-) -> PushTable:
+def pushes_of(pushes: PushTable, selection: RowSelection, left_out: Counter[str]) -> PushTable:
     """Return the pushes and scans that take part, without what could not be read; how many stay
     out, by reason, is added to ``left_out``.
     """
-    both = [selected(frame, selection) for frame in (pushes.table, pushes.scans)]
-    if left_out is not None:
-        for _, reasons in both:
-            left_out.update(reasons)
-    return replace(pushes, table=both[0][0], scans=both[1][0], unreadable=())
+    (table, without), (scans, without_scans) = (
+        selected(frame, selection) for frame in (pushes.table, pushes.scans)
+    )
+    left_out.update(without + without_scans)
+    return replace(pushes, table=table, scans=scans, unreadable=())
 
 
 def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
@@ -130,11 +121,9 @@ def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
     >>> session_name("hex", 0.02)
     'hex 20 mm/s'
     """
-    return (
-        f"{plate} {otherwise}".strip()
-        if speed is None or math.isnan(speed)
-        else f"{plate} {1e3 * speed:.4g} mm/s"
-    )
+    if speed is None or math.isnan(speed):
+        return f"{plate} {otherwise}".strip()
+    return f"{plate} {1e3 * speed:.4g} mm/s"
 
 
 def told(values: Iterable[object]) -> frozenset[str]:
@@ -255,13 +244,9 @@ def told_push(push: SidePush, facts: Row, length: float) -> SidePush:
     """Return the push that a row of a table tells, and its length; what is NaN stays as in
     ``push``.
     """
-    told = {
-        "side": facts["side"],
-        "fraction": facts["fraction"],
-        "angle": facts["angle"],
-        "distance": length,
-    }
-    return replace(push, **{name: value for name, value in told.items() if not math.isnan(value)})
+    changes = {name: facts[name] for name in ("side", "fraction", "angle")} | {"distance": length}
+    known = {name: value for name, value in changes.items() if not math.isnan(value)}
+    return replace(push, **known)
 
 
 def measured_drags(rows: pandas.DataFrame) -> tuple[MeasuredDrag, ...]:

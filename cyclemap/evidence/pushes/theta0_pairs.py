@@ -97,10 +97,8 @@ class Theta0Pairs:
             raise InvalidInput(
                 "theta and theta_next hold a number that is not finite; remove those pairs"
             )
-        for name, cycle, angles in (
-            ("cycle", self.cycle, self.theta),
-            ("path_cycle", self.path_cycle, self.path),
-        ):
+        for name, angles in (("cycle", self.theta), ("path_cycle", self.path)):
+            cycle: Array | None = getattr(self, name)
             shape = None if angles is None else angles.shape
             if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
                 shapes = f"{name} has shape {cycle.shape} for angles of shape {shape}"
@@ -112,15 +110,14 @@ class Theta0Pairs:
         path: Array,
         turn: Array,
         kept: Mask,
-        number: Array,
+        cycle: Array,
         dropped: Mapping[str, int] | None = None,
     ) -> Theta0Pairs:
         """Return the pairs of pushes along a path (m,), rad, with their numbers (m,), by how far
         their cycles turned the object (n,), rad, n = m or m - 1; of those that are kept (n,).
         """
-        start = path[: turn.size][kept]
-        cycle = number[: turn.size][kept]
-        return cls(start, start + turn[kept], path, dropped or {}, cycle, number)
+        start, own = (values[: turn.size][kept] for values in (path, cycle))
+        return cls(start, start + turn[kept], path, dropped or {}, own, cycle)
 
     @property
     def turn(self) -> Array:
@@ -173,7 +170,6 @@ def read_theta0_pairs(
     *,
     angles: str | None = None,
     offset_deg: float | None = None,
-    convention: Convention | None = None,
 ) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
@@ -186,8 +182,6 @@ def read_theta0_pairs(
         data says, else counter-clockwise. Orientations alone cannot tell.
     offset_deg : float or None, optional
         What it counts them from, as in `Convention`; None: what a collection.toml says, else 0.
-    convention : Convention or None, optional
-        All of that as one.
 
     Returns
     -------
@@ -221,8 +215,7 @@ def read_theta0_pairs(
     >>> np.degrees(pairs.turn).round(6).tolist()
     [10.0, 15.0]
     """
-    known = convention or convention_of(path, angles, None, offset_deg)
-    return pairs_in_table(read_csv_table(path), known)
+    return pairs_in_table(read_csv_table(path), convention_of(path, angles, None, offset_deg))
 
 
 def pairs_in_table(table: CsvTable, convention: Convention) -> Theta0Pairs:
@@ -256,17 +249,15 @@ def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     turn = shorter_way(np.diff(theta))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(turn)])
-    number, kept = np.arange(float(path.size)), ~moved_by_hand(path[:-1], turn)
-    moved = tuple(number[:-1][~kept].tolist())
+    cycle, kept = np.arange(float(path.size)), ~moved_by_hand(path[:-1], turn)
+    moved = tuple(cycle[:-1][~kept].tolist())
     if moved:
         where = ", ".join(f"{push:.0f}" for push in moved[:6])
         words = f"turns behind pushes {where} (from 0) are like no others"
         doubt = f"{table.path}: {words}: taken as moved by hand, left out"
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     dropped = {"moved by hand": len(moved)} if moved else {}
-    return Theta0Pairs(
-        path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
-    )
+    return replace(Theta0Pairs.along(path, turn, kept, cycle, dropped), moved=moved)
 
 
 def moved_by_hand(theta: Array, turn: Array) -> Mask:
@@ -317,7 +308,7 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
 def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """A staircase whose columns agree; flagged rows make no pair."""
     require_columns(table, STAIRCASE_COLUMNS)
-    number, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
+    cycle, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
     # Empty where there is no next one.
     turn = table.numbers("dtheta_to_next_deg", blank=True)
     last = table.rows[-1].line
@@ -329,7 +320,7 @@ def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
         words = f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
         raise table.error(table.rows[index].line, words)
     off = np.abs(np.deg2rad(np.diff(path) - turn[:-1])) > _CONSISTENT
-    off_next = (np.diff(number) == 1) & off
+    off_next = (np.diff(cycle) == 1) & off
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turn[index]:g}, the next row says {path[index + 1] - path[index]:g}"
         words = f"dtheta_to_next_deg is {values}; a row is missing or cut off"
@@ -340,7 +331,7 @@ def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
         raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
     theta, turned = convention.theta(np.deg2rad(path)), convention.sense * np.deg2rad(turn)
-    return Theta0Pairs.along(theta, turned, kept, number, dropped)
+    return Theta0Pairs.along(theta, turned, kept, cycle, dropped)
 
 
 def _from_pairs(table: CsvTable, convention: Convention) -> Theta0Pairs:
