@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, with_anisotropy
+from cyclemap.collection.anisotropy import Anisotropy, with_anisotropy
+from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
     PredictionCheck,

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import non_negative_number, positive_number
-from cyclemap.collection.fingerprint import Anisotropy
+from cyclemap.collection.anisotropy import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, ParametricLift

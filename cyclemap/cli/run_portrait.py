@@ -25,7 +25,8 @@ from cyclemap.cli.output import (
     result_stem,
     styled,
 )
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
+from cyclemap.collection.anisotropy import Anisotropy, floor_bow
+from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
     PredictionCheck,

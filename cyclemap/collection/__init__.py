@@ -37,6 +37,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
+    from cyclemap.collection.anisotropy import Anisotropy as Anisotropy
     from cyclemap.collection.batch_experiment import (
         BatchExperiment as BatchExperiment,
         BatchRun as BatchRun,
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
         isotropic_twin as isotropic_twin,
     )
     from cyclemap.collection.fingerprint import (
-        Anisotropy as Anisotropy,
         Fingerprint as Fingerprint,
         TurnResponse as TurnResponse,
         fingerprint as fingerprint,

@@ -18,7 +18,7 @@ from cyclemap.collection import (
     fingerprint,
     predict,
 )
-from cyclemap.collection.fingerprint import MOST_ELLIPTICITY, with_anisotropy, with_bow
+from cyclemap.collection.anisotropy import MOST_ELLIPTICITY, with_anisotropy, with_bow
 from cyclemap.collection.fingerprint_prediction import (
     DRIFTS,
     LOCKS,

@@ -473,13 +473,18 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "return np.asarray(0.5 * np.sum((z @ self.hessian) * z, axis=-1))",
                 "return np.asarray(np.sum((z @ self.hessian) * z, axis=-1))",
             ),
+        ],
+    ),
+    "collection/anisotropy.py": (
+        "tests/collection/test_fingerprint.py",
+        [
             (
                 "axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi",
                 "axis = friction.phi",
             ),
             (
-                "second = 2.0 * (self.ellipse_direction - angle)",
-                "second = self.ellipse_direction - angle",
+                "np.exp(2j * (self.ellipse_direction - angle))",
+                "np.exp(1j * (self.ellipse_direction - angle))",
             ),
         ],
     ),
