@@ -804,8 +804,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("binary_propagation(change > high, mask=change > low)", "change > low"),
             (
-                "c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])",
-                "c, s = math.cos(poses[first, 2]), math.sin(poses[first, 2])",
+                "c, s = np.cos(poses[first, 2]), sense * np.sin(poses[first, 2])",
+                "c, s = np.cos(poses[first, 2]), np.sin(poses[first, 2])",
             ),
             ("if home.mean() > _ALL_HOME:", "if home.mean() > 2.0:"),
         ],

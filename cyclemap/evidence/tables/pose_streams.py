@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import binary_propagation, uniform_filter1d
 
 from cyclemap.arrays import Array, Mask, Whole, stretches
@@ -42,6 +43,8 @@ _LEAST_MOTION = 6e-3
 _AVERAGED, _MIDDLE = 1.0, 0.3
 # The ring's places agree within so many standard deviations of a rest, or that far (m).
 _AGREE, _AGREE_LEAST = 5.0, 2e-3
+# Pairs of rests of which a ring is tried, and how many rests it takes.
+_TRIES, _FEWEST_RESTS = 400, 5
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
 # out.
 _FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
@@ -53,6 +56,9 @@ _ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
 # Pushes, or drags, whose motion is further from the median of its kind than this share of it are of
 # neither kind.
 _ALIKE = 0.35
+
+
+Rests = int | NDArray[np.intp]
 
 
 class UnclearStream(DataFileError):
@@ -220,46 +226,38 @@ def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
     """Pushes as pairs of rests, their numbers, unclear stretches likewise, and what was seen, in
     words.
     """
-    home, sense = _home(poses, errors)
-    if home is None:
-        return _in_turn(poses)
-    where = [*np.flatnonzero(home).tolist(), *([] if home[-1] else [len(poses) - 1])]
+    home, sense, how = _home(poses, errors)
+    where = np.union1d(np.flatnonzero(home), len(poses) - 1).tolist()
     spans = list(pairwise(where))
-    closed = [(first, last) for first, last in spans if last == first + 2 and home[last]]
+    closed = [first for first, last in spans if last == first + 2 and home[last]]
     if not closed:
-        return _pairs([]), np.zeros(0), _pairs(spans), "no push is clear"
-    clean = np.array([_motion(poses, first, first + 1, sense) for first, _ in closed])
-    backs = np.array([_motion(poses, first + 1, last, sense) for first, last in closed])
+        return _pairs([]), np.zeros(0), _pairs([(0, len(poses) - 1)]), "no push is clear"
+    begins = np.array(closed)
+    clean = _motion(poses, begins, begins + 1, sense)
+    backs = _motion(poses, begins + 1, begins + 2, sense)
     usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
     limit, limit_back = _spread(clean), _spread(backs)
-    pushes, numbers, paused = [], [], 0
+    pushes, cycles, paused = [], [], 0
     # What comes before the first push is a push's end at most.
     unclear = [(0, where[0])] if where[0] > 1 else []
     # What is unclear is a number left out, so that nothing is taken to follow across it.
-    for number, (first, last) in enumerate(spans):
+    for cycle, (first, last) in enumerate(spans):
         is_open = not home[last]
-        ends = range(first + 1, last + is_open)
-        away = {end: _apart(_motion(poses, first, end, sense), usual) for end in ends}
-        end = min(away, key=lambda rest: away[rest], default=first)
+        ends = np.arange(first + 1, last + is_open)
+        away = np.linalg.norm(_motion(poses, first, ends, sense) - usual, axis=-1)
+        end = int(ends[np.argmin(away)]) if ends.size else first
         # Two cycles with an unseen rest between them begin with a push, too.
-        closes = is_open or _apart(_motion(poses, end, last, sense), back) <= limit_back
-        if away and away[end] <= limit and closes:
+        off_back = np.linalg.norm(_motion(poses, end, last, sense) - back)
+        if away.min(initial=math.inf) <= limit and (is_open or off_back <= limit_back):
             pushes.append((first, end))
-            numbers.append(number)
+            cycles.append(cycle)
             paused += last - first > 2
         elif not is_open:
             unclear.append((first, last))
-    words = (
-        f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the "
-        "ring is at the target"
-    )
+    words = f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, {how}"
     words += f", {paused} of them or of their drags with a pause" if paused else ""
     words += f"; left out, as neither push nor drag: {len(unclear)} stretches" if unclear else ""
-    return _pairs(pushes), np.array(numbers), _pairs(unclear), words
-
-
-def _apart(motion: Array, other: Array) -> float:
-    return float(np.linalg.norm(motion - other))
+    return _pairs(pushes), np.array(cycles), _pairs(unclear), words
 
 
 def _spread(motions: Array) -> float:
@@ -271,28 +269,28 @@ def _spread(motions: Array) -> float:
     return max(_ALIKE * float(np.linalg.norm(middle)), 2.0 * float(np.quantile(off, 0.8)))
 
 
-def _motion(poses: Array, first: int, last: int, sense: float = 1.0) -> Array:
-    """A motion between two rests in the object's frame at its begin: dx, dy (m), turn by the lever
-    (m).
+def _motion(poses: Array, first: Rests, last: Rests, sense: float = 1.0) -> Array:
+    """Motions (..., 3) from one rest to another in the object's frame at their begin: dx, dy (m),
+    turn by the lever (m).
 
     sense : -1 where angles grow from y to x of the places.
     """
-    dx, dy, turn = poses[last] - poses[first]
-    c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])
-    return np.array([c * dx + s * dy, c * dy - s * dx, _LEVER * turn])
+    dx, dy, turn = (poses[last] - poses[first]).T
+    c, s = np.cos(poses[first, 2]), sense * np.sin(poses[first, 2])
+    return np.stack([c * dx + s * dy, c * dy - s * dx, _LEVER * turn], axis=-1)
 
 
-def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
-    """Which rests have the ring at the target, and the sense of angles in which they have.
+def _home(poses: Array, errors: Array) -> tuple[Mask, float, str]:
+    """Which rests are before a push, the sense of angles in which that is so, and how it is known:
+    they have the ring at the target.
 
-    None where no place of the object is again and again at one place of the world.
+    Where no place of the object is again and again at one place of the world, motions may come in
+    two kinds in turn.
 
     The ring h and the target c solve p + R(theta) h = c; two rests tell them, and those that most
     agree with are taken. Ends of pushes that are all alike agree with a ring of their own, but one
     farther from the object's centre.
     """
-    if len(poses) < 5:
-        return None, 1.0
     generator, limit = np.random.default_rng(0), np.maximum(_AGREE * errors, _AGREE_LEAST)
     rings = [
         (int(agree.sum()), round(radius, 3), agree, sense)
@@ -300,7 +298,8 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
         for agree, radius in _rings(poses, limit, sense, generator)
     ]
     if not rings:
-        return None, 1.0
+        how = "of two kinds in turn: the first motion and every other one"
+        return _in_turn(poses), 1.0, how
     most = max(count for count, *_ in rings)
     # Of those that explain nearly as many the ring nearest to the centre.
     near = [entry for entry in rings if entry[0] >= _NEARLY * most]
@@ -308,8 +307,8 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
     if home.mean() > _ALL_HOME:
         # Locked in: from two poses again and again no ring can be told, and the first one is taken
         # as a push's begin.
-        return _like_the_first(poses), sense
-    return home, sense
+        home = _like_the_first(poses)
+    return home, sense, "each from where the ring is at the target"
 
 
 def _rings(
@@ -318,7 +317,7 @@ def _rings(
     """Which rests agree with a ring that two of them tell, and how far it is from the centre, m."""
     place, way = poses[:, 0] + 1j * poses[:, 1], np.exp(1j * sense * poses[:, 2])
     rows = np.stack([way, np.full(len(poses), -1.0)], axis=-1)
-    for _ in range(400):
+    for _ in range(_TRIES if len(poses) >= _FEWEST_RESTS else 0):
         chosen = generator.choice(len(poses), 2, replace=False)
         solved, *_ = np.linalg.lstsq(rows[chosen], -place[chosen], rcond=None)
         agree = np.abs(rows @ solved + place) < limit
@@ -338,23 +337,14 @@ def _like_the_first(poses: Array) -> Mask:
     return np.asarray(off < _NEAR_THE_FIRST * np.median(off[off > 0.5 * off.max()]))
 
 
-def _in_turn(poses: Array) -> tuple[Whole, Array, Whole, str]:
-    """Every other motion a push, where the two kinds separate; else none."""
-    motions = np.array([_motion(poses, rest, rest + 1) for rest in range(len(poses) - 1)])
-    if len(motions) < 2:
-        return _pairs([]), np.zeros(0), _pairs([]), "one motion"
-    kinds = motions[::2], motions[1::2]
+def _in_turn(poses: Array) -> Mask:
+    """Every other rest, where motions from these and to these separate; else none."""
+    rests = np.arange(len(poses))
+    motions = _motion(poses, rests[:-1], rests[1:])
+    kinds = [kind for kind in (motions[::2], motions[1::2]) if len(kind)]
     medians = [np.median(kind, axis=0) for kind in kinds]
-    off = [
-        float(np.linalg.norm(kind - middle, axis=1).max())
-        for kind, middle in zip(kinds, medians, strict=True)
-    ]
-    if max(off) > 0.5 * _apart(*medians):
-        whole = _pairs([(0, len(poses) - 1)])
-        return _pairs([]), np.zeros(0), whole, "motions do not come in two kinds"
-    first = np.arange(0, len(motions), 2)
-    words = (
-        f"{len(motions)} motions between rests, of two kinds in turn: the first and every "
-        "other one a push"
-    )
-    return np.stack([first, first + 1], axis=-1), np.arange(float(first.size)), _pairs([]), words
+    pairs = zip(kinds, medians, strict=True)
+    off = [np.linalg.norm(kind - middle, axis=1).max() for kind, middle in pairs]
+    apart = np.linalg.norm(medians[0] - medians[-1])
+    are_apart = len(kinds) == 2 and max(off) <= 0.5 * apart
+    return np.asarray((rests % 2 == 0) & are_apart)
