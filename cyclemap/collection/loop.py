@@ -96,7 +96,8 @@ class Cycle(StrokePair[PushResult, DragResult]):
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
     def _repr_html_(self) -> str:
-        course, outline = self.trajectory, self.loop.slider.outline_points()
+        course = self.trajectory
+        outline = self.loop.slider.outline_points()
         outlines = [
             Stroke(placed(course.push.pose[0], outline)),
             Stroke(placed(course.push.pose[-1], outline), BLUE),

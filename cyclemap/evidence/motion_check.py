@@ -82,7 +82,8 @@ _BY_ROD = (
 _POSES = ["x0", "y0", "theta0", "x1", "y1", "dtheta"]
 _CONTACT = ["side", "fraction", "angle"]
 # Abscissas of the object before and after, and of the rod; their ordinates.
-_X, _Y = ["x0", "x1", "tip_x0", "tip_x1"], ["y0", "y1", "tip_y0", "tip_y1"]
+_X = ["x0", "x1", "tip_x0", "tip_x1"]
+_Y = ["y0", "y1", "tip_y0", "tip_y1"]
 # All conventions that have a name, those that change least first.
 _CONVENTIONS = sorted(
     (Convention(angles, frame) for angles, frame in product(ANGLES, FRAMES)),
@@ -326,8 +327,11 @@ def _check_motion(
 
 def _refusal(looked: _Looked) -> str:
     """What is wrong, and the words that mend it."""
-    test, reading, taken = looked.test, looked.other, looked.taken.convention
-    count, other = len(test.written.rows), reading.convention
+    test = looked.test
+    reading = looked.other
+    taken = looked.taken.convention
+    count = len(test.written.rows)
+    other = reading.convention
     off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {count} pushes"
     nearer = f"{1e3 * looked.best:.3g} mm"
     options = other.options(taken)
@@ -372,7 +376,8 @@ def _is_no_unit(scale: float) -> bool:
 
 def _words(looked: _Looked) -> str:
     """What was seen, for people."""
-    taken, other = looked.taken.convention, looked.other.convention
+    taken = looked.taken.convention
+    other = looked.other.convention
     here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
     words = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
     if looked.best <= looked.here / _BEATEN and other != taken:
@@ -557,7 +562,8 @@ class _WithTips(_Test):
     def expected(self, own: Array) -> tuple[Array, Array]:
         model = replace(self.loop, accuracy=1e-4).model
         # A rod inside the object: as far off as nothing is.
-        motion, turn = np.full(len(own), 1e3 + 1e3j), np.full(len(own), 1e3)
+        motion = np.full(len(own), 1e3 + 1e3j)
+        turn = np.full(len(own), 1e3)
         for index, (_, first, last) in enumerate(own.tolist()):
             tips = (first.real, first.imag), (last.real, last.imag)
             with suppress(CycleMapError):

@@ -119,7 +119,9 @@ def contact_samples(
     stroke = complex(*(push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]))
     along_stroke = contact.tip * (stroke.conjugate() / max(abs(stroke), _SHORTEST_STROKE))
     travel = np.asarray(along_stroke.real)
-    steps, slip, window = np.diff(travel), np.full(travel.size, math.nan), _FEWEST_IN_WINDOW
+    steps = np.diff(travel)
+    slip = np.full(travel.size, math.nan)
+    window = _FEWEST_IN_WINDOW
     moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
     if moving.size:
         window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
@@ -226,7 +228,8 @@ def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[
     """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the
     edge (n,) it is on.
     """
-    first, edge = polyline[:-1], np.diff(polyline, axis=0)
+    first = polyline[:-1]
+    edge = np.diff(polyline, axis=0)
     # An edge without length is a point.
     squares = np.maximum(np.sum(edge * edge, axis=-1), np.finfo(float).tiny)
     share = np.sum((points[:, None] - first) * edge, axis=-1) / squares

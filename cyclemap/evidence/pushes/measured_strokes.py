@@ -33,11 +33,13 @@ LARGEST_TIP_ERROR = 5e-3
 NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 # How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in
 # drags, rad.
-_MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
+_MISSED = (1.5e-3, math.radians(2.0))
+_MISSED_DRAG = math.radians(6.0)
 # How far a ruler and a phone are off, m and rad.
 READ = (1e-3, math.radians(1.0))
 # How far off its mark a rod is set by hand, m along x and y; the names of how a push was set up.
-SET_OFF, ROD_OFF = 2e-3, "rod_off_"
+SET_OFF = 2e-3
+ROD_OFF = "rod_off_"
 # No object lies as it was read to lie, rad.
 _LEAST_TURNED = 1e-4
 
@@ -94,7 +96,8 @@ def select_pushes(
 
     tables_too : whether CSV tables count; else files of the MIT layout alone do.
     """
-    loaded, left_out = load_pushes(path, progress=progress), Counter[str]()
+    loaded = load_pushes(path, progress=progress)
+    left_out = Counter[str]()
     if not tables_too:
         table, scans = (frame[~in_csv(frame["path"])] for frame in (loaded.table, loaded.scans))
         bad = [file for file in loaded.unreadable if not is_csv(file.path)]
@@ -225,13 +228,15 @@ def measured_pushes(rows: pandas.DataFrame) -> tuple[MeasuredPush, ...]:
     line and mend.
     """
     rows = rows[~(rows["tip_error"] > LARGEST_TIP_ERROR)]
-    places, labels = rows[["side", "fraction"]].to_numpy(), np.arange(len(rows))
+    places = rows[["side", "fraction"]].to_numpy()
+    labels = np.arange(len(rows))
     if not np.isnan(places).any():
         labels = np.unique(places, axis=0, return_inverse=True)[1].ravel()
     ends = rows["theta0"] + shorter_way(rows["theta1"] - rows["theta0"])
     pushes = []
     for row, theta1, label in zip(rows.to_dict("records"), ends, labels.tolist(), strict=True):
-        start, end = Pose(row["x0"], row["y0"], row["theta0"]), Pose(row["x1"], row["y1"], theta1)
+        start = Pose(row["x0"], row["y0"], row["theta0"])
+        end = Pose(row["x1"], row["y1"], theta1)
         rod = (row["tip_x0"], row["tip_y0"]), (row["tip_x1"], row["tip_y1"])
         try:
             pushes.append(MeasuredPush(start, end, *rod, contact=label))
@@ -275,7 +280,8 @@ def push_noise(read: tuple[float, float]) -> Array:
     """
     place, turn = read
     along = math.hypot(place, place, _MISSED[0])
-    turned, dragged = math.hypot(turn, _MISSED[1]), math.hypot(turn, turn, _MISSED_DRAG)
+    turned = math.hypot(turn, _MISSED[1])
+    dragged = math.hypot(turn, turn, _MISSED_DRAG)
     return np.array((along, along, turned, dragged))
 
 

@@ -164,7 +164,8 @@ def _hdf5_table(file: h5py.File, name: str) -> Array:
             f"{name} is of type {table.dtype} and shape {table.shape}; it must be numbers in 4 "
             "columns"
         )
-    chunk, stored = math.prod(table.chunks or (1,)), int(table.id.get_storage_size())
+    chunk = math.prod(table.chunks or (1,))
+    stored = int(table.id.get_storage_size())
     if 8 * max(table.size, chunk) > LARGEST_CONTENT or stored > LARGEST_CONTENT:
         raise InvalidInput(
             f"{name} takes more than {LARGEST_CONTENT / 1e6:.0f} MB; no push is so long: split it"

@@ -41,7 +41,8 @@ if TYPE_CHECKING:
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # The share of rows that may have no pose; m, beyond which no push goes.
-_MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
+_MOST_LOST = 0.5
+_LONGEST_PUSH = 3.0
 _TWO_TURNS = 4.0 * math.pi
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 PUSH_COLUMNS = (
@@ -342,7 +343,9 @@ def _loaded(
     """The pushes and scans of files, in our convention."""
     frames: list[pandas.DataFrame] = []
     pairs = dict[str, Theta0Pairs]()
-    pushes, scans, unreadable = list[Row](), list[Row](), list[UnreadableFile]()
+    pushes = list[Row]()
+    scans = list[Row]()
+    unreadable = list[UnreadableFile]()
     for index, file in enumerate(files):
         path = file.path if isinstance(file, CsvTable) else file
         try:

@@ -23,7 +23,8 @@ from cyclemap.mechanics.slider import Pose
 
 PUSH_TABLES = ("object_pose", "tip_pose", "ft_wrench")
 # Beyond these no table-top measurement lies: a damaged number, or one in other units.
-LARGEST_POSITION, LARGEST_ANGLE = 100.0, 1e4
+LARGEST_POSITION = 100.0
+LARGEST_ANGLE = 1e4
 _POSE_LIMITS = (1e11, LARGEST_POSITION, LARGEST_POSITION, LARGEST_ANGLE)
 _WRENCH_LIMITS = (1e11, 1e5, 1e5, 1e5)
 

@@ -22,21 +22,23 @@ PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
 
 # Angles of fewer rows may lie within a few degrees of each other by chance.
 # They are read as radians where they come near a turn, and, but for rounding, not beyond.
-_TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
+_TELLING = 8
+_NEARLY_A_TURN = 5.0
+_HALF_A_TURN = 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
 _CONSISTENT = math.radians(0.005)
 # Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond
 # so many are told.
-_ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
+_ENOUGH = 20
+_SMALL_GAP = 0.2
+_LARGE_GAP = 8.0
 # Turns by hand: from how near others are like them, how many of these it takes, how far off a
 # hand's is (rad), and how many there may be.
-_NEARBY, _FEWEST_NEARBY, _FAR_OFF, _LEAST_BY_HAND, _MOST_BY_HAND = (
-    math.radians(10.0),
-    4,
-    8.0,
-    math.radians(12.0),
-    0.04,
-)
+_NEARBY = math.radians(10.0)
+_FEWEST_NEARBY = 4
+_FAR_OFF = 8.0
+_LEAST_BY_HAND = math.radians(12.0)
+_MOST_BY_HAND = 0.04
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
 _NEARLY_THE_NAME = 0.85
 
@@ -249,7 +251,8 @@ def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     turn = shorter_way(np.diff(theta))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(turn)])
-    cycle, kept = np.arange(float(path.size)), ~moved_by_hand(path[:-1], turn)
+    cycle = np.arange(float(path.size))
+    kept = ~moved_by_hand(path[:-1], turn)
     moved = tuple(cycle[:-1][~kept].tolist())
     if moved:
         where = ", ".join(f"{push:.0f}" for push in moved[:6])
@@ -268,7 +271,8 @@ def moved_by_hand(theta: Array, turn: Array) -> Mask:
     has no such neighbours nothing is said. Far is eight times what is usual, and 12 degrees at
     least. Where many are far, or cycles are few, none is a hand's.
     """
-    none, off = np.zeros(turn.size, dtype=bool), np.full(turn.size, np.nan)
+    none = np.zeros(turn.size, dtype=bool)
+    off = np.full(turn.size, np.nan)
     order = np.argsort(np.mod(theta, TWO_PI), kind="stable")
     places = np.mod(theta, TWO_PI)[order]
     around = np.concatenate([places - TWO_PI, places, places + TWO_PI])
@@ -297,7 +301,8 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
             continue
         degrees = table.numbers(name, blank=True)
         degrees = degrees[np.isfinite(degrees)]
-        low, high = float(degrees.min(initial=0.0)), float(degrees.max(initial=0.0))
+        low = float(degrees.min(initial=0.0))
+        high = float(degrees.max(initial=0.0))
         one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
         if degrees.size >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
             words = f"{name} runs from {low:g} to {high:g} in {degrees.size} rows"
@@ -330,7 +335,8 @@ def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     if not kept.any():
         raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    theta, turned = convention.theta(np.deg2rad(path)), convention.sense * np.deg2rad(turn)
+    theta = convention.theta(np.deg2rad(path))
+    turned = convention.sense * np.deg2rad(turn)
     return Theta0Pairs.along(theta, turned, kept, cycle, dropped)
 
 

@@ -229,7 +229,8 @@ def _with_numbers(table: CsvTable, names: Sequence[str], most_lost: float) -> Cs
     if not lost:
         return table
     first, name = next(iter(lost.items()))
-    row, count = table.rows[first], f"{len(lost)} of {len(table.rows)} rows"
+    row = table.rows[first]
+    count = f"{len(lost)} of {len(table.rows)} rows"
     if len(lost) >= most_lost * len(table.rows):
         empty = f"{name} is '{table.text(row, name)}'; it must be a number"
         raise table.error(row.line, f"{empty}, and {count} lack one")

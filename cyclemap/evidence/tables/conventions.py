@@ -32,7 +32,9 @@ ANGLES: Mapping[str, tuple[float, float]] = {
     "clockwise": (-1.0, 0.0),
     "compass": (-1.0, 0.5 * math.pi),
 }
-RIGHT_HANDED, MIRRORED, SWAPPED = "right-handed", "mirrored", "swapped"
+RIGHT_HANDED = "right-handed"
+MIRRORED = "mirrored"
+SWAPPED = "swapped"
 FRAMES = (RIGHT_HANDED, MIRRORED, SWAPPED)
 OFFSET = "offset_deg"
 KEYS = ("angles", "frame", OFFSET)
@@ -178,7 +180,8 @@ class Convention:
         columns = {name: rows[name].to_numpy() for name in COLUMNS if name in rows}
         ours = dict[str, Array]()
         for name, values in columns.items():
-            kind, y_name = COLUMNS[name].kind, name.replace("x", "y")
+            kind = COLUMNS[name].kind
+            y_name = name.replace("x", "y")
             if kind is Kind.ANGLE:
                 ours[name] = self.theta(values)
             elif kind is Kind.TURN:

@@ -37,12 +37,17 @@ UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
 }
 # Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
 # metres of a table.
-_NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
+_NO_RADIANS = 7.0
+_NO_RADIANS_UNWRAPPED = 4.0 * math.pi
+_NO_METRES = 3.0
 # So many angles that fill so much of one and no more are turns as likely as radians.
-_TELLING, _MOST_OF_A_TURN = 8, 0.7
+_TELLING = 8
+_MOST_OF_A_TURN = 0.7
 # No cycle scatters by as many radians, and hardly one by as few degrees; orientations all around
 # reach over more than so many radians.
-_ROUGH, _MOST_OF_A_CIRCLE, _MANY_TURNS = 0.35, 5.6, 200.0
+_ROUGH = 0.35
+_MOST_OF_A_CIRCLE = 5.6
+_MANY_TURNS = 200.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
 # on.
 _AN_EPOCH = 1e8
@@ -182,7 +187,8 @@ def unit_of(
     """Return the unit of a column, as its factor to SI units, and how that is said. All angles, and
     all places, are guessed to be alike.
     """
-    known, column = UNITS_OF.get(COLUMNS[name].kind, {}), meaning[name]
+    known = UNITS_OF.get(COLUMNS[name].kind, {})
+    column = meaning[name]
     said = next((unit for unit in units if unit in known), None)
     if said is not None:
         return known[said], f" in {said}"
@@ -220,7 +226,8 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
     reaches = [
         float(np.abs(values[np.isfinite(values)]).max(initial=0.0)) for values in columns.values()
     ]
-    least, most = min(reaches), max(reaches)
+    least = min(reaches)
+    most = max(reaches)
     if kind is Kind.TIME and most > _AN_EPOCH:
         # A count since 1970: its size tells the unit.
         unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
@@ -253,7 +260,8 @@ def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool
     if min(map(len, known)) < _TELLING:
         return False
     if unit == "rad":
-        low, high = float(known[0].min()), float(known[0].max())
+        low = float(known[0].min())
+        high = float(known[0].max())
         # Radians that are wrapped begin at 0 or at minus half a turn.
         is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
         around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE

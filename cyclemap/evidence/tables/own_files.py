@@ -32,10 +32,13 @@ from cyclemap.text_files import read_bytes, read_text
 if TYPE_CHECKING:
     import pandas
 
-EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
+EXCEL = (".xlsx", ".xlsm")
+PARQUET = (".parquet",)
+BAGS = (".bag", ".db3", ".mcap")
 JSON_LINES = (".jsonl", ".ndjson")
 # A data set of LeRobot, and a bag of ROS 2, are folders with these files.
-LEROBOT_INFO, BAG_INFO = Path("meta", "info.json"), Path("metadata.yaml")
+LEROBOT_INFO = Path("meta", "info.json")
+BAG_INFO = Path("metadata.yaml")
 # A bag's poses, in the units of ROS.
 _POSE = ("t_s", "x_m", "y_m", *QUATERNION)
 # Bytes of a spreadsheet, or of what is packed as doubles: a thousand times what they show on disk.
@@ -169,7 +172,8 @@ def _json_rows(whole: object) -> list[object]:
         return whole if all(isinstance(row, dict) for row in whole) else []
     if not isinstance(whole, dict):
         return []
-    names, data = whole.get("columns"), whole.get("data")
+    names = whole.get("columns")
+    data = whole.get("data")
     if isinstance(names, list) and isinstance(data, list):
         if not all(isinstance(row, list) for row in data):
             return []

@@ -25,10 +25,12 @@ _POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS)
 # So many orientations tell whether they begin anew each half a turn.
 _MANY_OF_HALVES = 20
 # So many rows a push are many; of a stream, places bend by less than this share of their spread.
-_MANY_ROWS, _SMOOTH = 200, 0.05
+_MANY_ROWS = 200
+_SMOOTH = 0.05
 # Seconds from row to row: up to this many rows follow a moving object, beyond the other a row is a
 # push of its own.
-_STREAM_STEP, _A_CYCLE = 0.4, 3.0
+_STREAM_STEP = 0.4
+_A_CYCLE = 3.0
 # Fewer rows than this may follow each other as they like.
 _TELLING = 8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
@@ -148,8 +150,10 @@ def _refuse_a_stream_without_times(rows: pandas.DataFrame) -> None:
     x, y, theta = rows[["x", "y", "theta"]].dropna().to_numpy().T
     if x.size < _MANY_ROWS:
         return
-    place, way = x + 1j * y, np.exp(1j * theta)
-    spread, turned = float(np.std(place)), math.inf
+    place = x + 1j * y
+    way = np.exp(1j * theta)
+    spread = float(np.std(place))
+    turned = math.inf
     for turn in (way, way.conj()):
         unknown = np.stack([turn, np.ones(turn.size)], axis=-1)
         ring, *_ = np.linalg.lstsq(unknown, place, rcond=None)
@@ -238,7 +242,8 @@ def in_order(table: OwnTable) -> OwnTable:
     """Return the rows in the order of their numbers, else of their times, collection by
     collection.
     """
-    rows, labels = table.rows, _collections(table.rows)
+    rows = table.rows
+    labels = _collections(table.rows)
     for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
         if name not in rows:
             continue
@@ -286,8 +291,10 @@ def with_what_follows(table: OwnTable) -> OwnTable:
     """Return the rows with an orientation, and with it the next one's where that follows; what was
     left out is told.
     """
-    rows, is_posed = table.rows.copy(), {*table.rows} >= {*ENDS}
-    theta, words = rows["theta0"].to_numpy(), list[str]()
+    rows = table.rows.copy()
+    is_posed = {*table.rows} >= {*ENDS}
+    theta = rows["theta0"].to_numpy()
+    words = list[str]()
     number = np.arange(float(len(rows)))
     if "repetition" in rows:
         number = rows["repetition"].to_numpy()
@@ -338,7 +345,8 @@ def _how_set(theta: Array, theta_next: Array) -> str | None:
     where none follows.
     """
     pairs = np.isfinite(theta) & np.isfinite(theta_next)
-    later, turn = theta_next[pairs], (theta_next - theta)[pairs]
+    later = theta_next[pairs]
+    turn = (theta_next - theta)[pairs]
     if turn.size > 2 and float(np.ptp(turn)) < _EVENLY:
         return "are evenly spaced: taken as set one by one"
     # Where a reset makes them they gather somewhere, or turns have a mean.

@@ -155,9 +155,12 @@ def _in_si_units(
     import pandas
 
     raw, words = _without_stand_ins(raw, meaning)
-    columns, guessed = dict[str, Any](), set[str]()
+    columns = dict[str, Any]()
+    guessed = set[str]()
     for name, column in meaning.items():
-        values, kind, said = raw[column], COLUMNS[name].kind, ""
+        values = raw[column]
+        kind = COLUMNS[name].kind
+        said = ""
         if kind is Kind.TEXT:
             columns[name] = (
                 values if values.dtype.kind == "O" else [f"{own:.15g}" for own in values]
@@ -203,7 +206,8 @@ def _refuse_tilts(upright: str, raw: Columns, factor: float) -> None:
 
 def _without_stand_ins(raw: Columns, meaning: Mapping[str, str]) -> tuple[Columns, list[str]]:
     """The columns of a file, NaN where a pose has what stands for no number, and what is said."""
-    cleaned, words = dict(raw), list[str]()
+    cleaned = dict(raw)
+    words = list[str]()
     for name, column in meaning.items():
         if COLUMNS[name].kind in (Kind.ANGLE, Kind.PLACE):
             none = np.isin(raw[column], _NO_NUMBERS)
@@ -215,7 +219,8 @@ def _without_stand_ins(raw: Columns, meaning: Mapping[str, str]) -> tuple[Column
 
 def _counting(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
     """The rows that count where a column tells that some do not, and what is said of it."""
-    kept, words = np.ones(len(rows), dtype=bool), list[str]()
+    kept = np.ones(len(rows), dtype=bool)
+    words = list[str]()
     for name, counts in _FLAGS.items():
         if name not in rows:
             continue
@@ -265,7 +270,8 @@ def _heading(quaternions: Array) -> tuple[Array, bool]:
     if known.any():
         y_up, z_up = np.quantile(cosines, 0.1, axis=0) > _UPRIGHT
     else:
-        y_up, z_up = True, True
+        y_up = True
+        z_up = True
     if z_up:
         return np.arctan2(turns[:, 1, 0], turns[:, 0, 0]), False
     if y_up:

@@ -32,27 +32,37 @@ if TYPE_CHECKING:
 _WINDOWS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 # How far means before and after a moment lie apart where a motion is seen, and where it ends: in
 # standard deviations of noise, and as shares of what the faster motions show.
-_SEEN, _ENDED, _SEEN_SHARE, _ENDED_SHARE = 4.0, 2.4, 0.3, 0.1
+_SEEN = 4.0
+_ENDED = 2.4
+_SEEN_SHARE = 0.3
+_ENDED_SHARE = 0.1
 # Noise that nobody has (m), turns as lengths (m per rad), and how much faster than noise motions
 # have to be.
-_LEAST_NOISE, _LEVER, _CLEAR = 2e-5, 0.03, 2.0
+_LEAST_NOISE = 2e-5
+_LEVER = 0.03
+_CLEAR = 2.0
 # What moves less (m, with turns by the lever) between two rests has not moved.
 _LEAST_MOTION = 6e-3
 # Rests are averaged over so many seconds, and that share of their length, before and after their
 # middle.
-_AVERAGED, _MIDDLE = 1.0, 0.3
+_AVERAGED = 1.0
+_MIDDLE = 0.3
 # The ring's places agree within so many standard deviations of a rest, or that far (m).
-_AGREE, _AGREE_LEAST = 5.0, 2e-3
+_AGREE = 5.0
+_AGREE_LEAST = 2e-3
 # Pairs of rests of which a ring is tried, and how many rests it takes.
-_TRIES, _FEWEST_RESTS = 400, 5
+_TRIES = 400
+_FEWEST_RESTS = 5
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
 # out.
-_FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+_FEWEST_HOME = 0.3
+_MOST_UNCLEAR = 0.2
 # Of rings those explain nearly as many rests as the best that explain this share of them.
 _NEARLY = 0.85
 # Where more rests than this share have the ring at one place, none tells it; then those are home
 # that lie near the first, as a share of how far the others are.
-_ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
+_ALL_HOME = 0.8
+_NEAR_THE_FIRST = 0.3
 # Pushes, or drags, whose motion is further from the median of its kind than this share of it are of
 # neither kind.
 _ALIKE = 0.35
@@ -125,7 +135,8 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
     counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
     cycles = _cycles(poses, noise / np.sqrt(counts))
     seen = Segments(t, x, y, theta, rests, *cycles)
-    pushes, unclear = len(seen.pushes), len(seen.unclear)
+    pushes = len(seen.pushes)
+    unclear = len(seen.unclear)
     if pushes < 2 or unclear > _MOST_UNCLEAR * (pushes + unclear):
         raise UnclearStream(f"{path}: {_unclear_words(seen)}", seen)
     ends = np.hstack([poses[seen.pushes[:, 0]], poses[seen.pushes[:, 1]]])
@@ -135,7 +146,8 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
 
 def _unclear_words(seen: Segments) -> str:
     """What was seen of a stream that does not come apart, and what mends it."""
-    begins, ends = seen.t[seen.rests[:, 0]], seen.t[seen.rests[:, 1]]
+    begins = seen.t[seen.rests[:, 0]]
+    ends = seen.t[seen.rests[:, 1]]
     listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in seen.unclear[:3])
     counts = (
         f"{len(seen.rests) - 1} motions between rests, {len(seen.pushes)} of them pushes and "
@@ -235,9 +247,13 @@ def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
     begins = np.array(closed)
     clean = _motion(poses, begins, begins + 1, sense)
     backs = _motion(poses, begins + 1, begins + 2, sense)
-    usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
-    limit, limit_back = _spread(clean), _spread(backs)
-    pushes, cycles, paused = [], [], 0
+    usual = np.median(clean, axis=0)
+    back = np.median(backs, axis=0)
+    limit = _spread(clean)
+    limit_back = _spread(backs)
+    pushes = []
+    cycles = []
+    paused = 0
     # What comes before the first push is a push's end at most.
     unclear = [(0, where[0])] if where[0] > 1 else []
     # What is unclear is a number left out, so that nothing is taken to follow across it.
@@ -276,7 +292,8 @@ def _motion(poses: Array, first: Rests, last: Rests, sense: float = 1.0) -> Arra
     sense : -1 where angles grow from y to x of the places.
     """
     dx, dy, turn = (poses[last] - poses[first]).T
-    c, s = np.cos(poses[first, 2]), sense * np.sin(poses[first, 2])
+    c = np.cos(poses[first, 2])
+    s = sense * np.sin(poses[first, 2])
     return np.stack([c * dx + s * dy, c * dy - s * dx, _LEVER * turn], axis=-1)
 
 
@@ -291,7 +308,8 @@ def _home(poses: Array, errors: Array) -> tuple[Mask, float, str]:
     agree with are taken. Ends of pushes that are all alike agree with a ring of their own, but one
     farther from the object's centre.
     """
-    generator, limit = np.random.default_rng(0), np.maximum(_AGREE * errors, _AGREE_LEAST)
+    generator = np.random.default_rng(0)
+    limit = np.maximum(_AGREE * errors, _AGREE_LEAST)
     rings = [
         (int(agree.sum()), round(radius, 3), agree, sense)
         for sense in (1.0, -1.0)
@@ -315,7 +333,8 @@ def _rings(
     poses: Array, limit: Array, sense: float, generator: np.random.Generator
 ) -> Iterator[tuple[Mask, float]]:
     """Which rests agree with a ring that two of them tell, and how far it is from the centre, m."""
-    place, way = poses[:, 0] + 1j * poses[:, 1], np.exp(1j * sense * poses[:, 2])
+    place = poses[:, 0] + 1j * poses[:, 1]
+    way = np.exp(1j * sense * poses[:, 2])
     rows = np.stack([way, np.full(len(poses), -1.0)], axis=-1)
     for _ in range(_TRIES if len(poses) >= _FEWEST_RESTS else 0):
         chosen = generator.choice(len(poses), 2, replace=False)
