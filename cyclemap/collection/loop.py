@@ -206,13 +206,10 @@ class CollectionLoop:
         start, way = first_contact(self.slider, self.push, self.pusher.radius)
         push = Stroke([start, start + 0.5 * self.slider.outline.extent * way])
         marks = [Stroke([start], BLUE, DISC, 4.0), Stroke([self.slider.hitch], BLUE, CIRCLE, 4.0)]
-        size = (
-            f"pushed {1e3 * self.push.distance:.4g} mm by a rod of {1e3 * self.pusher.radius:.4g} "
-            "mm"
-        )
         caption = (
-            f"{self.slider.name} on {self.material.name}, {size} (disc), dragged back by "
-            "its ring (circle)"
+            f"{self.slider.name} on {self.material.name}, pushed "
+            f"{1e3 * self.push.distance:.4g} mm by a rod of "
+            f"{1e3 * self.pusher.radius:.4g} mm (disc), dragged back by its ring (circle)"
         )
         return inline_svg([Stroke(outline), push, *marks], caption, equal=True)
 

@@ -797,7 +797,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     ),
     "evidence/tables/text_tables.py": (
         TABLES,
-        [('raise InvalidInput(f"{either} Write its numbers without commas")', 'thousands = ""')],
+        [('elif not len(with_comma) or is_any(",.*,"):', "elif True:")],
     ),
     "evidence/tables/pose_streams.py": (
         f"{TABLES}/test_pose_streams.py",

@@ -146,13 +146,19 @@ def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:
         limit, unit = (LARGEST_ANGLE, "deg") if turns else (LARGEST_POSITION, "mm")
         beyond = frame[~(frame[column].abs() <= limit)]
         for line, value in zip(beyond["line"], beyond[column], strict=True):
-            bound = f"{column} is {value:g}; it must be a number within {limit:g} (SI units)"
-            raise table.error(line, f"{bound}: is it in other units? Say them, --units {unit}")
+            raise table.error(
+                line,
+                f"{column} is {value:g}; it must be a number within {limit:g} (SI units): is "
+                f"it in other units? Say them, --units {unit}",
+            )
     far = np.hypot(frame["x1"] - frame["x0"], frame["y1"] - frame["y0"])
     for line, length in zip(frame["line"], far, strict=True):
         if length > _LONGEST_PUSH:
-            far_off = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
-            raise table.error(line, f"{far_off} Say so, --units mm,rad")
+            raise table.error(
+                line,
+                f"the push moves the object by {length:.4g} m: are its places in millimetres? "
+                "Say so, --units mm,rad",
+            )
 
 
 @dataclass(frozen=True)

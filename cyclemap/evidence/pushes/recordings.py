@@ -182,9 +182,9 @@ def _checked_series(name: str, value: object) -> Array:
     limits = np.array(_WRENCH_LIMITS if name == "ft_wrench" else _POSE_LIMITS)
     # Written so that NaN counts as out of bounds.
     for row, column in np.argwhere(~(np.abs(array) <= limits))[:1]:
-        bound = f"it must be a number within {limits[column]:g}"
         raise InvalidInput(
-            f"{name}, row {row}, column {column} is {array[row, column]:g}; {bound} (SI units)"
+            f"{name}, row {row}, column {column} is {array[row, column]:g}; it must be a "
+            f"number within {limits[column]:g} (SI units)"
         )
     for row in np.flatnonzero(np.diff(array[:, 0]) < 0.0)[:1]:
         back = array[row, 0] - array[row + 1, 0]

@@ -239,13 +239,18 @@ def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """Orientations in order; turns by hand make no pair."""
     ordered, ahead = PAIR_COLUMNS
     if ordered not in table.header:
-        layouts = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ordered} alone"
-        raise table.error(1, f"the header is {','.join(table.header)}; it must be {layouts}")
+        raise table.error(
+            1,
+            f"the header is {','.join(table.header)}; it must be "
+            f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ordered} alone",
+        )
     for name in table.header:
         if "next" in name or get_close_matches(name, (ahead,), cutoff=_NEARLY_THE_NAME):
-            beside = f"the header has {name} beside {ordered}"
-            mend = f"name it {ahead} if it is the next θ0 in degrees, or leave it out"
-            raise table.error(1, f"{beside}: {mend}")
+            raise table.error(
+                1,
+                f"the header has {name} beside {ordered}: name it {ahead} if it is the next "
+                "θ0 in degrees, or leave it out",
+            )
     theta = _orientations(table, ordered, convention)
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
@@ -256,8 +261,10 @@ def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
     moved = tuple(cycle[:-1][~kept].tolist())
     if moved:
         where = ", ".join(f"{push:.0f}" for push in moved[:6])
-        words = f"turns behind pushes {where} (from 0) are like no others"
-        doubt = f"{table.path}: {words}: taken as moved by hand, left out"
+        doubt = (
+            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as "
+            "moved by hand, left out"
+        )
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     dropped = {"moved by hand": len(moved)} if moved else {}
     return replace(Theta0Pairs.along(path, turn, kept, cycle, dropped), moved=moved)
@@ -305,8 +312,12 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
         high = float(degrees.max(initial=0.0))
         one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
         if degrees.size >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
-            words = f"{name} runs from {low:g} to {high:g} in {degrees.size} rows"
-            warnings.warn(f"{table.path}: {words}: are these radians?", DoubtfulInput, stacklevel=4)
+            warnings.warn(
+                f"{table.path}: {name} runs from {low:g} to {high:g} in {degrees.size} rows: "
+                "are these radians?",
+                DoubtfulInput,
+                stacklevel=4,
+            )
             return
 
 
@@ -318,8 +329,9 @@ def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     turn = table.numbers("dtheta_to_next_deg", blank=True)
     last = table.rows[-1].line
     if not np.isnan(turn[-1]):
-        cut = "the last row has a next θ0: the file is cut off"
-        raise table.error(last, f"{cut}; restore it or empty that field")
+        raise table.error(
+            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
+        )
     for index in np.flatnonzero(np.abs(shorter_way(np.deg2rad(path - wrapped))) > _CONSISTENT)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
         words = f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
@@ -350,9 +362,11 @@ def _from_pairs(table: CsvTable, convention: Convention) -> Theta0Pairs:
         return Theta0Pairs(theta, theta + turn)
     elsewhere = int(_is_large(gap).sum())
     if elsewhere:
-        words = f"{elsewhere} of {theta.size} pairs do not begin where the one before ended"
-        taken = "the rows are taken to be in order, and staircases are of the longest run without"
-        doubt = f"{table.path}: {words}: {taken} such a pair"
+        doubt = (
+            f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one "
+            "before ended: the rows are taken to be in order, and staircases are of the "
+            "longest run without such a pair"
+        )
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
     every = np.ones(turn.size, dtype=bool)

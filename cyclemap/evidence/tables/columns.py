@@ -232,10 +232,15 @@ def _with_numbers(table: CsvTable, names: Sequence[str], most_lost: float) -> Cs
     row = table.rows[first]
     count = f"{len(lost)} of {len(table.rows)} rows"
     if len(lost) >= most_lost * len(table.rows):
-        empty = f"{name} is '{table.text(row, name)}'; it must be a number"
-        raise table.error(row.line, f"{empty}, and {count} lack one")
-    words = f"{count} left out for want of a pose, the first in line {row.line}"
-    warnings.warn(f"{table.path}: {words}", DoubtfulInput, stacklevel=6)
+        raise table.error(
+            row.line,
+            f"{name} is '{table.text(row, name)}'; it must be a number, and {count} lack one",
+        )
+    warnings.warn(
+        f"{table.path}: {count} left out for want of a pose, the first in line {row.line}",
+        DoubtfulInput,
+        stacklevel=6,
+    )
     kept = (row for index, row in enumerate(table.rows) if index not in lost)
     return replace(table, rows=tuple(kept))
 

@@ -145,8 +145,9 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
         hits = [column for column in free if _fits(known, column)]
         # Of two clocks either will do.
         if len(hits) > 1 and known.kind is not Kind.TIME:
-            both = f"{' and '.join(hits)} may both be {name}"
-            raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
+            raise InvalidInput(
+                f"{' and '.join(hits)} may both be {name}: say which, --columns {name}={hits[0]}"
+            )
         if hits:
             meaning[name] = hits[0]
     _refuse_half_told(meaning, told, have)
@@ -165,9 +166,9 @@ def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have:
     asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
     if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
         after = meaning["theta1"]
-        told_by = f"Say --columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
         raise InvalidInput(
-            f"is {after} the orientation after the push, or before the next one? {told_by}"
+            f"is {after} the orientation after the push, or before the next one? Say "
+            f"--columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
         )
     for end in ("", "0", "1"):
         if 0 < len({f"{part}{end}" for part in QUATERNION} & set(meaning)) < len(QUATERNION):
@@ -175,9 +176,9 @@ def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have:
     if not {"theta0", "theta", "qw", "qw0"} & set(meaning):
         # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
         wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
-        mend = f"say which, --columns {wanted}=NAME"
         raise InvalidInput(
-            f"no column of the object's orientation before each push: {mend}; it has {have}"
+            "no column of the object's orientation before each push: say which, --columns "
+            f"{wanted}=NAME; it has {have}"
         )
 
 
@@ -212,8 +213,10 @@ def _unit_by_name_or_size(
     if named[name] in UNITS_OF[kind]:
         return named[name], ", by its name"
     if named[name] == _PIXELS:
-        mend = "multiply its pixels by the length of one, and name it x0_mm or the like"
-        raise InvalidInput(f"{meaning[name]}: {mend}")
+        raise InvalidInput(
+            f"{meaning[name]}: multiply its pixels by the length of one, and name it x0_mm or "
+            "the like"
+        )
     of_others = {unit for unit in named.values() if unit in UNITS_OF[kind]}
     if len(of_others) == 1:
         return of_others.pop(), ", as its like"
@@ -242,8 +245,7 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
         if _may_be_either(unit, most, columns):
             if len(columns) == 1:
                 reach = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
-                mend = "radians, or degrees? Say --units rad or --units deg"
-                raise InvalidInput(f"{reach}: {mend}")
+                raise InvalidInput(f"{reach}: radians, or degrees? Say --units rad or --units deg")
             # No two columns of degrees go on as smoothly.
             unit = "rad"
     else:
@@ -287,7 +289,7 @@ def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
     """Refuse angles of up to 1 that fill as much of one turn as of one radian."""
     angles = values[np.isfinite(values)]
     if most <= 1.0 and angles.size >= _TELLING and float(np.ptp(angles)) > _MOST_OF_A_TURN:
-        reach = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
         raise DataFileError(
-            f"{reach}: are these turns, or radians? Say --units turn or --units rad"
+            f"{name} runs from {angles.min():.3g} to {angles.max():.3g}: are these turns, or "
+            "radians? Say --units turn or --units rad"
         )

@@ -132,8 +132,10 @@ def _excel(path: Path, told: str | None) -> Columns:
     if told is None:
         tables = [name for name, cells in sheets.items() if is_table(cells)]
         if len(tables) > 1:
-            mend = f"say which, --columns sheet={tables[0]}"
-            raise InvalidInput(f"has numbers in the sheets {', '.join(tables)}: {mend}")
+            raise InvalidInput(
+                f"has numbers in the sheets {', '.join(tables)}: say which, --columns "
+                f"sheet={tables[0]}"
+            )
         told = (tables or [*sheets])[0]
     if told not in sheets:
         raise InvalidInput(f"no sheet {told}; it has {', '.join(sheets)}")
@@ -155,8 +157,10 @@ def _json(path: Path, text: str) -> Columns:
         whole = None
     rows = _json_lines(path, text) if whole is None else _json_rows(whole)
     if len(rows) < 2:
-        mend = 'give [{"theta0_deg": 12.5, ...}, ...], {"theta0_deg": [12.5, ...], ...}'
-        raise InvalidInput(f"{len(rows)} rows; more are wanted: {mend}, or a row a line")
+        raise InvalidInput(
+            f'{len(rows)} rows; more are wanted: give [{{"theta0_deg": 12.5, ...}}, ...], '
+            '{"theta0_deg": [12.5, ...], ...}, or a row a line'
+        )
     flat = []
     for row in rows:
         values: dict[str, object] = {}
@@ -339,8 +343,9 @@ def _topic(told: str | None, connections: Sequence[Any]) -> str:
     wanted = told or (topics[0] if len(topics) == 1 else None)
     if wanted not in topics:
         have = ", ".join(topics) or f"none among {', '.join(every) or 'none'}"
-        mend = "give the topic of the object's pose, --columns pose=TOPIC"
-        raise InvalidInput(f"{mend}; with poses: {have}")
+        raise InvalidInput(
+            f"give the topic of the object's pose, --columns pose=TOPIC; with poses: {have}"
+        )
     return str(wanted)
 
 

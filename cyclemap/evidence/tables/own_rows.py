@@ -136,9 +136,10 @@ def _refuse_a_stream(rows: pandas.DataFrame, theta0_column: str) -> None:
         return
     step = float(np.median(np.abs(np.diff(rows["t"]))))
     if 0.0 < step <= _STREAM_STEP:
-        line = f"{step:.2g} s from row to row, so that many rows follow one push"
-        mend = f"say --columns theta={theta0_column} in place of theta0, or leave the times out"
-        raise InvalidInput(f"{line}: {mend}")
+        raise InvalidInput(
+            f"{step:.2g} s from row to row, so that many rows follow one push: say --columns "
+            f"theta={theta0_column} in place of theta0, or leave the times out"
+        )
 
 
 def _refuse_a_stream_without_times(rows: pandas.DataFrame) -> None:
@@ -170,8 +171,10 @@ def refuse_several(rows: pandas.DataFrame) -> None:
     for name in ("surface", "object"):
         listed = sorted({str(value) for value in rows.get(name, ())})
         if len(listed) > 1:
-            several = f"orientations on several {name}s, {', '.join(listed)[:80]}"
-            raise InvalidInput(f"{several}: split them, a table each")
+            raise InvalidInput(
+                f"orientations on several {name}s, {', '.join(listed)[:80]}: split them, a "
+                "table each"
+            )
 
 
 def refuse_half_turns(theta: Array) -> None:
@@ -264,8 +267,10 @@ def in_order(table: OwnTable) -> OwnTable:
             if 2 * follows.sum() > follows.size:
                 counted = np.cumsum(np.append(0.0, np.where(follows, 1.0, 2.0)))
                 rows = rows.assign(repetition=counted)
-            doubt = f"{what} of pushes are missing or there twice"
-            return table.then(rows, f"{doubt}: rows are taken in their own order")
+            return table.then(
+                rows,
+                f"{what} of pushes are missing or there twice: rows are taken in their own order",
+            )
     return table
 
 

@@ -235,8 +235,9 @@ def _counting(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
     if not {"repetition", "t", "episode"} & {*rows}:
         # What was left out is a gap.
         rows["repetition"] = np.arange(len(rows), dtype=float)
-    lost = f"{len(rows) - kept.sum()} of {len(rows)} rows"
-    words.append(f"left out, for the table says they failed: {lost}")
+    words.append(
+        f"left out, for the table says they failed: {len(rows) - kept.sum()} of {len(rows)} rows"
+    )
     return rows[kept].reset_index(drop=True), words
 
 

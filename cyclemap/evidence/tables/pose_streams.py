@@ -123,8 +123,10 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
     import pandas
 
     if not {"x", "y"} <= {*stream}:
-        mend = "give its places, or a column episode (1, 2, ... during each push, empty else)"
-        raise DataFileError(f"{path}: which motions push cannot be told of an angle alone: {mend}")
+        raise DataFileError(
+            f"{path}: which motions push cannot be told of an angle alone: give its places, "
+            "or a column episode (1, 2, ... during each push, empty else)"
+        )
     t, x, y, theta = stream[["t", "x", "y", "theta"]].to_numpy().T
     theta = np.unwrap(theta)
     course = np.array([x, y, theta])
@@ -149,12 +151,11 @@ def _unclear_words(seen: Segments) -> str:
     begins = seen.t[seen.rests[:, 0]]
     ends = seen.t[seen.rests[:, 1]]
     listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in seen.unclear[:3])
-    counts = (
+    return (
         f"{len(seen.rests) - 1} motions between rests, {len(seen.pushes)} of them pushes and "
-        f"{len(seen.unclear)} stretches unclear"
+        f"{len(seen.unclear)} stretches unclear{f' ({listed})' if listed else ''}: give a "
+        "column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
     )
-    mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
-    return f"{counts}{f' ({listed})' if listed else ''}: {mend}"
 
 
 def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
@@ -183,9 +184,9 @@ def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
         if moves > _CLEAR * seen:
             break
     else:
-        hidden = f"its noise of {1e3 * noise:.2g} mm hides its motions"
         raise DataFileError(
-            f"{path}: {hidden}: give poses before and after each push, or smoother ones"
+            f"{path}: its noise of {1e3 * noise:.2g} mm hides its motions: give poses "
+            "before and after each push, or smoother ones"
         )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
     high = max(seen, low, _SEEN_SHARE * moves)

@@ -59,8 +59,10 @@ def text_columns(text: str) -> Columns:
             if head is not None and _fits(rows[head:], separator):
                 tables.append((len(rows[head]), separator != ",", rows))
     if not tables:
-        first = "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg, or theta0_deg"
-        raise InvalidInput(f"no names above its numbers: give it a first line such as {first}")
+        raise InvalidInput(
+            "no names above its numbers: give it a first line such as "
+            "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg, or theta0_deg"
+        )
     _, has_decimal_commas, rows = max(tables, key=lambda table: table[0])
     return cell_columns(rows, has_decimal_commas)
 
@@ -250,8 +252,10 @@ def _plain(name: str, numbers: pandas.Series, has_decimal_commas: bool) -> panda
     elif not len(with_comma) or is_any(",.*,"):
         thousands = ","
     else:
-        either = f"is {with_comma.iloc[0]} of {name} more than a thousand, or a decimal fraction?"
-        raise InvalidInput(f"{either} Write its numbers without commas")
+        raise InvalidInput(
+            f"is {with_comma.iloc[0]} of {name} more than a thousand, or a decimal fraction? "
+            "Write its numbers without commas"
+        )
     if thousands:
         sign = re.escape(thousands)
         numbers = numbers.str.replace(rf"{sign}(?=\d{{3}}(?:[.,]|$))", "", regex=True)
