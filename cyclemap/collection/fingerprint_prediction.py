@@ -348,12 +348,12 @@ def _nearest(theta: float, orbits: Sequence[Orbit]) -> tuple[Orbit | None, float
     return (orbits[away.index(nearest)] if away else None), nearest
 
 
-def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
+def predict(fingerprint: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
     """Return what a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
     Parameters
     ----------
-    found : Fingerprint
+    fingerprint : Fingerprint
         The fingerprint of the protocol.
     anisotropy : Anisotropy or EllipseFriction
         That of the surface, or its friction.
@@ -378,9 +378,9 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
     >>> round(math.degrees(direction.theta), 1), round(math.degrees(direction.error), 1)
     (59.4, 21.1)
     """
-    if not isinstance(found, Fingerprint):
+    if not isinstance(fingerprint, Fingerprint):
         raise InvalidInput(
-            f"a prediction needs a Fingerprint, such as fingerprint(loop), not {found!r}"
+            f"a prediction needs a Fingerprint, such as fingerprint(loop), not {fingerprint!r}"
         )
     surface = Anisotropy.of(anisotropy) if isinstance(anisotropy, EllipseFriction) else anisotropy
     if not isinstance(surface, Anisotropy):
@@ -389,7 +389,7 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
             f"loop.material.friction, not {anisotropy!r}"
         )
     surface.require_surface()
-    return Prediction(found, surface)
+    return Prediction(fingerprint, surface)
 
 
 # How far (rad) from the first order's place the full map's extremum is looked for.

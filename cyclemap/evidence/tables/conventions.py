@@ -86,17 +86,17 @@ class Convention:
         object.__setattr__(self, "offset", finite_number("offset of angles", self.offset))
 
     @classmethod
-    def of_keys(cls, told: Mapping[str, object]) -> Convention:
+    def of_keys(cls, given: Mapping[str, object]) -> Convention:
         """Return what keys of a file, or options, say; None says nothing. InvalidInput for an
         unknown key or word.
         """
-        for key in told:
+        for key in given:
             if key not in KEYS:
                 raise unknown_name("key of [data]", key, KEYS)
         words = {
-            name: str(told[name]) for name in ("angles", "frame") if told.get(name) is not None
+            name: str(given[name]) for name in ("angles", "frame") if given.get(name) is not None
         }
-        degrees = told.get("offset_deg")
+        degrees = given.get("offset_deg")
         return cls(
             **words,
             offset=0.0 if degrees is None else math.radians(finite_number("offset_deg", degrees)),
@@ -198,7 +198,7 @@ class Convention:
 OURS = Convention()
 
 
-def as_read_name(stem: str, told: Mapping[str, object]) -> str:
+def as_read_name(stem: str, given: Mapping[str, object]) -> str:
     """Return the file name of a table brought to our convention: it says what was told of the one
     it was in.
 
@@ -207,8 +207,8 @@ def as_read_name(stem: str, told: Mapping[str, object]) -> str:
     >>> written_convention("log_clockwise_as_read.csv")[0].angles
     'clockwise'
     """
-    words = [str(told[name]) for name in ("angles", "frame") if told.get(name)]
-    words += [f"plus{told['offset_deg']}deg"] if told.get("offset_deg") else []
+    words = [str(given[name]) for name in ("angles", "frame") if given.get(name)]
+    words += [f"plus{given['offset_deg']}deg"] if given.get("offset_deg") else []
     return "_".join((stem, *words)) + AS_READ
 
 

@@ -124,17 +124,17 @@ def known_units(units: Sequence[str]) -> list[str]:
     return known
 
 
-def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, str]:
+def meaning_of(raw: Mapping[str, Array], given: Mapping[str, str]) -> dict[str, str]:
     """Return the column of a file for each name that is told, is the MIT dataset's alone, or is
     recognised; InvalidInput where one is wanted, or two would do.
     """
     have = ", ".join(list(raw)[:20])[:400]
-    for name, column in told.items():
+    for name, column in given.items():
         if name not in _TO_BE_TOLD:
             raise InvalidInput(f"--columns {name}=...: know {', '.join(_TO_BE_TOLD)}")
         if name not in OF_THE_FILE and column not in raw:
             raise InvalidInput(f"no column {column} for {name}; it has {have}")
-    meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
+    meaning = {name: column for name, column in given.items() if name not in OF_THE_FILE}
     for name, column in _mit_columns(raw).items():
         if column not in meaning.values():
             meaning.setdefault(name, column)
@@ -150,7 +150,7 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
             )
         if hits:
             meaning[name] = hits[0]
-    _refuse_half_told(meaning, told, have)
+    _refuse_half_told(meaning, given, have)
     return meaning
 
 
@@ -161,9 +161,9 @@ def _mit_columns(raw: Collection[str]) -> dict[str, str]:
     return {name: by_name[own] for name, own in names.items() if own in by_name}
 
 
-def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have: str) -> None:
+def _refuse_half_told(meaning: Mapping[str, str], given: Mapping[str, str], have: str) -> None:
     """Refuse columns of which another reading is possible, or some are missing."""
-    asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
+    asked = {"theta1", "theta_next"} & {*given} or "theta_next" in meaning
     if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
         after = meaning["theta1"]
         raise InvalidInput(

@@ -115,7 +115,7 @@ def read_orientations(
 
 def _pushes(
     place: Path,
-    told: Mapping[str, str],
+    given: Mapping[str, str],
     units: Sequence[str],
     convention: Convention,
     growing: bool = False,
@@ -127,9 +127,9 @@ def _pushes(
             f"{place}: read once it is whole, without --follow: only a CSV file is read while it "
             "grows"
         )
-    raw = raw_columns(place, told, growing)
+    raw = raw_columns(place, given, growing)
     with located(str(place), DataFileError):
-        meaning = meaning_of(raw, told)
+        meaning = meaning_of(raw, given)
         if growing and "theta0" not in meaning and {"t", "episode", "qw"} & {*meaning}:
             raise InvalidInput(
                 "a stream of poses is cut into pushes once it is whole: without --follow"
@@ -138,7 +138,7 @@ def _pushes(
         begin = f"{place.name}: {len(rows)} rows"
         rows, left_out = _counting(rows)
         rows, turned = _with_headings(rows)
-        is_guessed = len(meaning) > len(told) or not units
+        is_guessed = len(meaning) > len(given) or not units
         said = (begin, *words, *left_out, *turned)
         table = OwnTable(convention.rows(rows), said, is_guessed)
         table = as_pushes(place, table, "t" in guessed, meaning.get("theta0", "NAME"))
@@ -246,11 +246,11 @@ def _with_headings(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]
     words = list[str]()
     height = rows.pop("z") if "z" in rows else None
     for end in ("", "0", "1"):
-        parts = [f"{part}{end}" for part in QUATERNION]
-        if not {*parts} <= {*rows}:
+        names = [f"{name}{end}" for name in QUATERNION]
+        if not {*names} <= {*rows}:
             continue
-        heading, is_y_up = _heading(rows[parts].to_numpy())
-        rows = rows.drop(columns=parts).assign(**{f"theta{end}": heading})
+        heading, is_y_up = _heading(rows[names].to_numpy())
+        rows = rows.drop(columns=names).assign(**{f"theta{end}": heading})
         if is_y_up:
             if end or height is None or "y" not in rows:
                 raise InvalidInput("turns about y, which is up: give x, y, z with z up")
