@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
-from cyclemap.collection.anisotropy import Anisotropy, with_anisotropy
 from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
@@ -22,6 +21,7 @@ from cyclemap.collection.fingerprint_prediction import (
     lock_in_boundary,
 )
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy, with_anisotropy
 from cyclemap.views.fingerprint_page import draw_prediction
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.style import INK, LINE, LINES, MARKS, name_tag, picture_style

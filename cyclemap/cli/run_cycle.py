@@ -23,9 +23,9 @@ from cyclemap.collection.cycles import Cycles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     compare_dynamics,
-    isotropic_twin,
 )
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import (

@@ -25,7 +25,6 @@ from cyclemap.cli.output import (
     result_stem,
     styled,
 )
-from cyclemap.collection.anisotropy import Anisotropy, floor_bow
 from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
@@ -33,6 +32,7 @@ from cyclemap.collection.fingerprint_prediction import (
     check_prediction,
     predict,
 )
+from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow
 from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty

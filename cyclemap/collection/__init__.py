@@ -37,7 +37,6 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.collection.anisotropy import Anisotropy as Anisotropy
     from cyclemap.collection.batch_experiment import (
         BatchExperiment as BatchExperiment,
         BatchRun as BatchRun,
@@ -53,7 +52,6 @@ if TYPE_CHECKING:
         DynamicLoop as DynamicLoop,
         DynamicsComparison as DynamicsComparison,
         compare_dynamics as compare_dynamics,
-        isotropic_twin as isotropic_twin,
     )
     from cyclemap.collection.fingerprint import (
         Fingerprint as Fingerprint,
@@ -72,7 +70,9 @@ if TYPE_CHECKING:
         run_cycles as run_cycles,
     )
     from cyclemap.collection.loop_surfaces import (
+        Anisotropy as Anisotropy,
         drifting_map as drifting_map,
+        isotropic_twin as isotropic_twin,
         on_material as on_material,
         worn_loop as worn_loop,
     )

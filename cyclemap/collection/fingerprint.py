@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only
-from cyclemap.collection.anisotropy import (
+from cyclemap.collection.loop import CollectionLoop, require_loop
+from cyclemap.collection.loop_surfaces import (
     ISOTROPIC,
     MEAN,
     Anisotropy,
@@ -17,7 +18,6 @@ from cyclemap.collection.anisotropy import (
     with_anisotropy,
     with_bow,
 )
-from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.progress import Progress, unheard
 from cyclemap.written import ANGLE, UNWRITTEN

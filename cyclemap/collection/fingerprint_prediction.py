@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, positive_number
-from cyclemap.collection.anisotropy import Anisotropy, floor_bow, with_anisotropy
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow, with_anisotropy
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
 from cyclemap.mechanics import EllipseFriction

@@ -475,8 +475,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "collection/anisotropy.py": (
-        "tests/collection/test_fingerprint.py",
+    "collection/loop_surfaces.py": (
+        "tests/collection",
         [
             (
                 "axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi",
@@ -486,11 +486,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "np.exp(2j * (self.ellipse_direction - angle))",
                 "np.exp(1j * (self.ellipse_direction - angle))",
             ),
-        ],
-    ),
-    "collection/loop_surfaces.py": (
-        "tests/collection",
-        [
             (
                 "shares = first + (last - first) * blend.cycles / max(steps - 1, 1)",
                 "shares = last + (first - last) * blend.cycles / max(steps - 1, 1)",
