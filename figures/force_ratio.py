@@ -141,7 +141,7 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
     travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
     travel = np.interp(time, tip[:, 0], travelled)[kept]
-    ratio = samples.tangential[kept] / samples.pressing[kept]
+    ratio = samples.force[kept].imag / samples.force[kept].real
     name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
     motion = slip > SLIDING, slip < STICKING
     return RecordedRatio(

@@ -769,7 +769,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "np.median(np.abs(force.imag) / force.real)",
                 "np.median(force.real / np.abs(force.imag))",
             ),
-            ("(along - rod_radius * angle) / speed", "along / speed"),
+            ("(along - self.rod_radius * angle) / speed", "along / speed"),
             ("near & (force.real >= LEAST_PRESSING)", "near"),
         ],
     ),
