@@ -720,11 +720,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("share = 1.0 if looked.is_turned else _BEATEN", "share = 0.0"),
         ],
     ),
-    "evidence/tables/columns.py": (
+    "evidence/tables/columns.toml": (
         f"{PUSHES} {TABLES}",
         [
-            ('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}'),
-            ('{"tip_err_mm": 1e-3}', '{"tip_err_mm": 1.0}'),
+            ('"theta{end}_deg" = "deg"', '"theta{end}_deg" = ""'),
+            ('tip_err_mm = "mm"', 'tip_err_mm = ""'),
         ],
     ),
     "evidence/tables/conventions.py": (

@@ -21,20 +21,13 @@ from cyclemap.evidence.tables.columns import (
     PLACES,
     QUATERNION,
     TIME_UNITS,
+    UNIT_WORDS,
     UNITS,
     UNITS_OF,
     Column,
     Kind,
 )
 
-UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    **dict.fromkeys(("radian", "radians"), "rad"),
-    **dict.fromkeys(("metres", "meters"), "m"),
-    **dict.fromkeys(("millimetres", "millimeters"), "mm"),
-    "seconds": "s",
-    **dict.fromkeys(("in", "inches"), "inch"),
-    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
-}
 # Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
 # metres of a table.
 _NO_RADIANS = 7.0
