@@ -33,8 +33,7 @@ from cyclemap.evidence import (
     push_end_block,
     read_theta0_pairs,
 )
-from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
-from cyclemap.evidence.data_blocks.stroke_block import surface_model
+from cyclemap.evidence.identification.collected_blocks import telling_parameters
 from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import (
     held_values,
@@ -42,6 +41,7 @@ from cyclemap.evidence.identification.known_floor import (
     known_shapes,
     known_spread,
 )
+from cyclemap.evidence.identification.stroke_block import surface_model
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PLATE_NAMES,

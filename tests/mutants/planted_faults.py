@@ -640,14 +640,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "evidence/predicted_strokes.py": (
-        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+        "tests/evidence/identification/test_stroke_block.py tests/evidence/identification",
         [
             ("for push in pushes]) / model.unit - travel", "for push in pushes]) / model.unit"),
             ("longer = normal / (normal @ toward)", "longer = normal"),
         ],
     ),
-    "evidence/data_blocks/stroke_block.py": (
-        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+    "evidence/identification/stroke_block.py": (
+        "tests/evidence/identification/test_stroke_block.py tests/evidence/identification",
         [
             ("predicted += weights[:, index] * turns", "predicted += turns"),
             (
@@ -763,7 +763,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "evidence/pushes/contact_forces.py": (
-        f"{PUSHES} tests/evidence/data_blocks",
+        f"{PUSHES} tests/evidence/identification",
         [
             (
                 "np.median(np.abs(force.imag) / force.real)",

@@ -17,7 +17,7 @@ from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, re
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import (
+from cyclemap.evidence.identification.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
     identify_collected,

@@ -18,7 +18,8 @@ from cyclemap.arrays import Array, Place, evenly_spread
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.force_blocks import (
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, usual_beliefs
+from cyclemap.evidence.identification.force_blocks import (
     SCAN_FIELDS,
     force_ratio_block,
     friction_scan_block,
@@ -27,26 +28,25 @@ from cyclemap.evidence.data_blocks.force_blocks import (
     sliding_forces,
     wrench_twist_block,
 )
-from cyclemap.evidence.data_blocks.session_blocks import (
-    PLATE_OWNED,
-    SESSION_OWNED,
-    SessionBlock,
-    named_blocks,
-    odd_sessions,
-)
-from cyclemap.evidence.data_blocks.stroke_block import (
-    cycle_pair_block,
-    drag_turn_block,
-    push_end_block,
-    set_ups,
-)
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, usual_beliefs
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.known_floor import (
     FLOOR_TOLD,
     held_values,
     known_beliefs,
     known_spread,
+)
+from cyclemap.evidence.identification.session_blocks import (
+    PLATE_OWNED,
+    SESSION_OWNED,
+    SessionBlock,
+    named_blocks,
+    odd_sessions,
+)
+from cyclemap.evidence.identification.stroke_block import (
+    cycle_pair_block,
+    drag_turn_block,
+    push_end_block,
+    set_ups,
 )
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,

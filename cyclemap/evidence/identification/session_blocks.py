@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, surface_model
 from cyclemap.evidence.identification.data_block import DataBlock, session_block
+from cyclemap.evidence.identification.stroke_block import TIP_OFFSET, surface_model
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PLATE_NAMES,
