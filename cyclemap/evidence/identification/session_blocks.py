@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.identification.data_block import DataBlock, session_block
 from cyclemap.evidence.identification.stroke_block import TIP_OFFSET, surface_model
@@ -19,7 +20,13 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.predicted_strokes import loop_of_plate, predicted_push_ends
-from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
+from cyclemap.evidence.pushes.measured_strokes import (
+    READ,
+    ROD_OFF,
+    MeasuredPush,
+    push_noise,
+    set_up_errors,
+)
 
 # What belongs to a plate, or to the frame that its data are in, and what to a session.
 PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
@@ -39,16 +46,46 @@ _FEWEST_TURNS = 20
 class SessionBlock:
     """A block of data, of which plate it is, and in which session; empty where nothing tells.
 
+    words : what it holds.
+    read : how far readings are off, m and rad; None where that is not told.
     pushes : of the block, some of them.
     strayed : how far the robot was from where it was sent, m, on average; None where that is not
         known.
+    scans : tractions of friction scans, (n, 2).
+    last_cycle : how many the last cycle is behind the first.
     """
 
     block: DataBlock
-    plate: str
-    session: str
+    words: str
+    read: tuple[float, float] | None = None
     pushes: Sequence[MeasuredPush] = ()
     strayed: float | None = None
+    scans: Array | None = None
+    last_cycle: float = 0.0
+    plate: str = ""
+    session: str = ""
+
+    @property
+    def set_up(self) -> dict[str, tuple[float, float]]:
+        """What is believed of how each push was set up by hand, by name: 0 and a deviation."""
+        unknown = (row.name for row in self.block.own_parameters if row.name.startswith(ROD_OFF))
+        errors = cycle(set_up_errors(self.read or READ).tolist())
+        return {name: (0.0, error) for name, error in zip(unknown, errors, strict=False)}
+
+    @property
+    def noise(self) -> dict[str, float]:
+        """How far measurements are off, by kind of noise; infinite where that is not told.
+
+        Of pushes that a robot made the angle before them is noise, too.
+        """
+        kinds = set(self.block.kinds.tolist())
+        if self.read is None:
+            return dict.fromkeys(kinds, math.inf)
+        along, _, turned, dragged = push_noise(self.read).tolist()
+        if not self.set_up:
+            turned = math.hypot(turned, self.read[1])
+        sizes = {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
+        return {kind: sizes[kind] for kind in kinds}
 
 
 def named_blocks(
@@ -67,29 +104,27 @@ def named_blocks(
             first.setdefault(row.plate, row.session)
     owners = [row.session or first.get(row.plate, row.plate) for row in known]
     of_floor = {parameter.name for parameter in SESSION_OWNED}
-    both = zip(owners, known, strict=True)
+    both = [*zip(owners, known, strict=True)]
     telling = (owner for owner, row in both if of_floor & {*row.block.parameters})
     sessions = list(dict.fromkeys(telling))
     has_sessions = len(sessions) > 1 or (population and bool(sessions))
     has_plates = len({row.plate for row in known}) > 1
     blocks = []
-    for owner, row in zip(owners, known, strict=True):
+    for owner, row in both:
         block = row.block
         if has_plates:
-            block = replace(block, name=f"{row.plate} {block.name}")
             block = block.of_owner(row.plate, PLATE_OWNED)
         if has_sessions:
-            block = replace(block, name=f"{owner} {row.block.name}")
             block = block.of_owner(owner, SESSION_OWNED)
-        blocks.append(block)
+        whose = owner if has_sessions else row.plate if has_plates else ""
+        blocks.append(replace(block, name=f"{whose} {block.name}".strip()))
     if has_sessions:
         blocks.append(session_block(sessions, odd))
-    counts = Counter(block.name for block in blocks)
-    seen = Counter[str]()
-    for index, block in enumerate(blocks):
-        seen[block.name] += 1
-        if counts[block.name] > 1:
-            blocks[index] = replace(block, name=f"{block.name} {seen[block.name]}")
+    names = [block.name for block in blocks]
+    for index, name in enumerate(names):
+        if names.count(name) > 1:
+            place = names[: index + 1].count(name)
+            blocks[index] = replace(blocks[index], name=f"{name} {place}")
     return tuple(blocks)
 
 
