@@ -153,8 +153,7 @@ def friction_scan_block(
         jacobian = np.einsum("nij,njk->nik", turn, by_ellipse)
         return force - measured, jacobian.reshape(-1, len(ELLIPSE))
 
-    kinds = np.repeat(SCAN_KIND, measured.size)
-    return DataBlock("friction scans", ELLIPSE, function, groups, kinds)
+    return DataBlock("friction scans", ELLIPSE, function, groups, np.array(SCAN_KIND))
 
 
 def _alike_directions(direction: Array) -> Labels:
@@ -425,11 +424,9 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     count = sliding.ratio.size
     single = len(np.unique(sliding.push)) == 1
     groups = np.arange(count) if single else sliding.push
-    kinds = np.repeat(RATIO_KIND, count)
+    ones = np.ones((count, 1))
     parameters = ("pusher_friction",)
-    return linear_block(
-        "force ratios", parameters, np.ones((count, 1)), np.array(sliding.ratio), groups, kinds
-    )
+    return linear_block("force ratios", parameters, ones, sliding.ratio, groups, RATIO_KIND)
 
 
 def sliding_forces(

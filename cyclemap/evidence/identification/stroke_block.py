@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import lagrange
+from scipy.interpolate import KroghInterpolator
+from scipy.special import diric
 
-from cyclemap.arrays import Array, Place
+from cyclemap.arrays import Array, Place, shorter_way
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -284,17 +285,15 @@ def surface_model(
 
 def interpolation(theta: ArrayLike, count: int) -> Array:
     """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them
-    at theta (n,), rad.
+    at theta (n,), rad; count : odd.
 
     >>> nodes = 2 * np.pi * np.arange(5) / 5
     >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
     True
     """
-    off = (
-        finite_array("theta", theta, ndim=1)[:, np.newaxis] - 2.0 * np.pi * np.arange(count) / count
-    )
-    orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
-    return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
+    nodes = 2.0 * np.pi * np.arange(count) / count
+    off = shorter_way(finite_array("theta", theta, ndim=1)[:, np.newaxis] - nodes)
+    return np.asarray(diric(off, count))
 
 
 def cycle_pair_block(
@@ -351,37 +350,39 @@ def cycle_pair_block(
             f"{angles.size} orientations and {measured.size} turns: give one turn for each, one at "
             "least"
         )
-    between = interpolation(angles, NODES)
-    motions = np.column_stack([angles, measured])
-    kinds = _cycle_kinds(angles)
-    if elapsed is None:
-        steady = _CycleTurns(loop, between, measured)
-        function, curve = steady.residuals, steady.curve
-        return DataBlock(
-            "cycles", CYCLE_UNKNOWNS, function, groups, kinds, motions=motions, curve=curve
-        )
-    passed = finite_array("elapsed share of the data", elapsed, ndim=1)
-    if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
-        raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
-    own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
-    parameters = (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters))
-    wearing = _WearingTurns(loop, between, measured, passed)
-    function, curve = wearing.residuals, wearing.curve
+    own_parameters: tuple[Parameter, ...] = ()
+    passed = None
+    if elapsed is not None:
+        own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
+        passed = finite_array("elapsed share of the data", elapsed, ndim=1)
+        if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
+            raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
+    cycles = _CycleTurns(loop, interpolation(angles, NODES), measured, passed)
     return DataBlock(
-        "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
+        "cycles",
+        (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters)),
+        cycles.residuals,
+        groups,
+        _cycle_kinds(angles),
+        own_parameters,
+        motions=np.column_stack([angles, measured]),
+        curve=cycles.curve,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _CycleTurns:
-    """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones.
+    """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones; where the
+    surface wears these are computed at _WEAR_NODES, with a polynomial between.
 
     between : (n, NODES), from the nodes to the orientations of the cycles.
+    elapsed : (n,), shares of the data made before; None where nothing wears.
     """
 
     loop: CollectionLoop
     between: Array
     measured: Array
+    elapsed: Array | None
 
     def at_nodes(self, values: Values, worn: float = 0.0) -> Rows:
         """Return turns at the nodes on a surface as worn as that, and their derivatives by
@@ -397,27 +398,13 @@ class _CycleTurns:
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted less measured turns, and their derivatives by the unknowns."""
-        turned, by_unknowns = self.at_nodes(values)
-        return self.between @ turned - self.measured, self.between @ by_unknowns
-
-    def curve(self, values: Values, around: Array, late: bool) -> Array:
-        """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
-        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
-
-
-@dataclass(frozen=True, eq=False)
-class _WearingTurns(_CycleTurns):
-    """The same on a surface that wears: turns are computed at _WEAR_NODES, a polynomial between.
-
-    elapsed : (n,), shares of the data made before.
-    """
-
-    elapsed: Array
-
-    def residuals(self, values: Values) -> Rows:
-        """Return predicted less measured turns, and their derivatives by the unknowns."""
+        if self.elapsed is None:
+            turned, by_unknowns = self.at_nodes(values)
+            return self.between @ turned - self.measured, self.between @ by_unknowns
         share, share_by_pace = worn_share([values[name] for name in PACE_NAMES], self.elapsed)
-        weights, slopes = _blending(share)
+        blending = KroghInterpolator(_WEAR_NODES, np.eye(len(_WEAR_NODES)))
+        weights = blending(share)
+        slopes = blending.derivative(share)
         predicted = np.zeros(share.size)
         by_share = np.zeros(share.size)
         by_fresh = np.zeros((share.size, len(CYCLE_UNKNOWNS)))
@@ -433,6 +420,10 @@ class _WearingTurns(_CycleTurns):
             by_fresh += by_surface
         by_pace = by_share[:, np.newaxis] * share_by_pace
         return predicted - self.measured, np.hstack([by_fresh, by_worn, by_pace])
+
+    def curve(self, values: Values, around: Array, late: bool) -> Array:
+        """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
+        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
 
 
 def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
@@ -454,17 +445,6 @@ def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
             kinds[inside] = f"cycle turn at {place} (rad)"
             first = last
     return kinds
-
-
-def _blending(share: Array) -> Rows:
-    """Weights (n, k) of the turns on surfaces as worn as _WEAR_NODES, and their slopes by the
-    share.
-    """
-    bases = np.eye(len(_WEAR_NODES))
-    polynomials = [lagrange(_WEAR_NODES, basis) for basis in bases]
-    weights = np.stack([polynomial(share) for polynomial in polynomials], axis=-1)
-    slopes = np.stack([polynomial.deriv()(share) for polynomial in polynomials], axis=-1)
-    return weights, slopes
 
 
 def cycles_by_unknowns(
