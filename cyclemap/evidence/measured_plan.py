@@ -11,9 +11,9 @@ from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.evidence.identification.collected_blocks import collected_blocks, identify_collected
+from cyclemap.evidence.identification.collected_blocks import collected_blocks
 from cyclemap.evidence.identification.identify import Identification
-from cyclemap.evidence.identification.known_floor import known_shapes
+from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.evidence.plan_pushes import APPROACH, PushPlan, SetPush

@@ -649,9 +649,9 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/identification/stroke_block.py": (
         "tests/evidence/identification/test_stroke_block.py tests/evidence/identification",
         [
-            ("predicted += weights[:, index] * turns", "predicted += turns"),
+            ("predicted += weight * turns", "predicted += turns"),
             (
-                "weights[:, index, np.newaxis] * (self.between @ by_unknowns)",
+                "weight[:, np.newaxis] * (self.between @ by_unknowns)",
                 "self.between @ by_unknowns",
             ),
             ("by_worn += worn * by_surface", "by_worn += 0.5 * by_surface"),

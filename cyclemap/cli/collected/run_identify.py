@@ -20,10 +20,9 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.identification.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
-    identify_collected,
 )
 from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors
-from cyclemap.evidence.identification.known_floor import known_shapes
+from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,41 +16,24 @@ import numpy as np
 from cyclemap.arrays import Array, Place
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import ConvergenceError, DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, usual_beliefs
-from cyclemap.evidence.identification.identify import Identification, identify
-from cyclemap.evidence.identification.known_floor import (
-    FLOOR_TOLD,
-    held_values,
-    known_beliefs,
-    known_spread,
-)
-from cyclemap.evidence.identification.measured_blocks import (
+from cyclemap.evidence.identification.session_blocks import (
     ERRORS,
+    SessionBlock,
     Taken,
     Wanted,
     drag_blocks,
     left_out,
+    named_blocks,
+    odd_sessions,
     push_blocks,
     push_end_blocks,
     wrench_blocks,
 )
-from cyclemap.evidence.identification.session_blocks import (
-    PLATE_OWNED,
-    SESSION_OWNED,
-    SessionBlock,
-    named_blocks,
-    odd_sessions,
-)
-from cyclemap.evidence.identification.surface_parameters import (
-    FIELD_NAMES,
-    SURFACE,
-    ParameterSpace,
-)
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
 from cyclemap.evidence.pushes.measured_strokes import (
-    ROD_OFF,
     RowSelection,
     pushes_of,
     select_pushes,
@@ -72,7 +55,7 @@ from cyclemap.evidence.tables.data_kinds import (
     recognise,
 )
 from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Material
+from cyclemap.mechanics import MIT_SHAPE_NAMES
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import file_stem
@@ -87,8 +70,6 @@ LAYOUTS = (
     "(x1,y1,th1,x0n,y0n,th0n), of orientations (theta0_deg), or of wrenches and twists "
     "(fx,fy,m_over_rho,vx,vy,w_times_rho)"
 )
-# So many sessions tell how the floor's shape varies with the place.
-_SESSIONS_OF_A_FIELD = 4
 # Files of which the same is told are named one by one up to so many.
 _MOST_NAMED = 3
 
@@ -444,85 +425,3 @@ def _known_objects(loop: CollectionLoop, chosen: Selection) -> tuple[str, ...]:
     if name in MIT_SHAPE_NAMES:
         return MIT_SHAPE_NAMES
     return () if name == OWN_OUTLINE else (file_stem(name),)
-
-
-def telling_parameters(
-    blocks: Sequence[DataBlock], believed: Collection[str] | None = None
-) -> tuple[str, ...]:
-    """Return the names of what blocks of data can usually tell, for a start: not what mostly trades
-    off.
-
-    The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates,
-    the rod, how each data set's frame is shifted, friction in the ring with cycles, how the surface
-    wears; of four sessions and more, how the floor's shape varies with the place. believed : of a
-    known floor, what its samples tell of ellipse and ring (`FLOOR_TOLD`); single pushes and drags
-    take the rest of it as it stands, and drags the ring: they scatter by more than any ring
-    explains, and would take that for friction in it.
-
-    >>> ratios = DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")
-    >>> telling_parameters([ratios])
-    ('pusher_friction',)
-    """
-    asked = {name for block in blocks for name in block.parameters}
-    by_cycles = {name for block in blocks if block.curve for name in block.parameters}
-    of_ellipse = by_cycles | {
-        name for block in blocks if block.motions is None for name in block.parameters
-    }
-    by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
-    free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
-    owned = {row.name for row in (*PLATE_OWNED, *SESSION_OWNED)}
-    beside = asked & {"pusher_friction", *by_cycles, *(believed or ())}
-    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in beside]
-    free += sorted(name for name in asked if name.partition("[")[0] in owned)
-    free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
-    if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
-        free += [name for name in FIELD_NAMES if name in asked]
-    return (*free, *sorted(name for name in asked if name.startswith(("worn_", "wear_pace_"))))
-
-
-def identify_collected(
-    collected: CollectedBlocks,
-    known: Material | None,
-    fixed: Mapping[str, float],
-    space: ParameterSpace,
-    *,
-    free: Sequence[str] = (),
-    believes: bool = True,
-    folds: int = 0,
-    starts: int = 2,
-    student: float | None = None,
-    seed: int = 0,
-    progress: Progress | None = None,
-) -> Identification:
-    """Identify the parameters named, or else all that the data tell and is not fixed; raises
-    ConvergenceError where no start converges.
-
-    known : the floor whose samples are what is believed before. fixed : values that stay, but of
-    parameters named. space : where the search begins. believes : whether usual beliefs and those of
-    the known floor count; folds, starts, student, seed, progress : see `identify`.
-    """
-    blocks = collected.blocks
-    by_floor = None if known is None else known_beliefs(known, FLOOR_TOLD)
-    if not free:
-        free = [name for name in telling_parameters(blocks, by_floor) if name not in fixed]
-    beliefs = collected.beliefs(free) | known_beliefs(known, free, collected.loop.slider.name)
-    held = {name: value for name, value in fixed.items() if name not in free}
-    identified = identify(
-        blocks,
-        free,
-        held_values(blocks, space, free, known) | held,
-        priors=beliefs if believes else {},
-        noise={**collected.noise, **known_spread(known, blocks)},
-        folds=folds,
-        starts=starts,
-        student=student,
-        seed=seed,
-        space=space,
-        progress=progress,
-    )
-    if not identified.fit.converged:
-        raise ConvergenceError(
-            f"no start converged: {identified.fit.message}; take more starts, or free fewer "
-            "parameters"
-        )
-    return identified

@@ -28,6 +28,7 @@ from cyclemap.evidence.identification.data_block import (
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.least_squares import (
     NO_ANSWER,
+    NORMAL,
     Fit,
     MultiStart,
     NoiseLaw,
@@ -119,7 +120,7 @@ def cross_validate(
     problem: JointProblem,
     fit: Fit,
     fold: Labels,
-    law: NoiseLaw | None = None,
+    law: NoiseLaw = NORMAL,
     progress: Progress | None = None,
 ) -> tuple[Array, list[str]]:
     """Fit without each fold (n,), from the fit to all, and predict it; kinds keep the weights of
@@ -148,10 +149,10 @@ def cross_validate(
 
 
 def kind_errors(
-    problem: JointProblem, fit: Fit, left_out: Array | None = None, isotropic: Array | None = None
+    problem: JointProblem, fit: Fit, left_out: Array, isotropic: Array
 ) -> tuple[KindErrors, ...]:
     """Return the sizes of the errors of every kind in every block; also of rows left out, and of
-    flat isotropy.
+    flat isotropy, (n,), nan where they are not known.
     """
     errors = []
     for index, block in enumerate(problem.blocks):
@@ -160,20 +161,20 @@ def kind_errors(
                 continue
             rows = (problem.block_index == index) & (problem.kinds == kind)
             inside = _moments(kind, fit.residuals[rows])
-            outside = _moments(kind, None if left_out is None else left_out[rows])
-            plain = _moments(kind, None if isotropic is None else isotropic[rows])
+            outside = _moments(kind, left_out[rows])
+            plain = _moments(kind, isotropic[rows])
             count = int(np.sum(rows)) // (2 if kind in PLANE_KINDS else 1)
             errors.append(KindErrors(block.name, kind, count, *inside, *outside, *plain[:2]))
     return tuple(errors)
 
 
-def _moments(kind: str, errors: Array | None) -> list[float]:
+def _moments(kind: str, errors: Array) -> list[float]:
     """Mean, median and root mean square of the sizes of errors that are known; nan without any."""
-    if errors is None or not np.isfinite(errors).any():
-        return [np.nan] * 3
     # Of components the lengths of their vectors count.
     sizes = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
     known = sizes[np.isfinite(sizes)]
+    if not known.size:
+        return [np.nan] * 3
     return [float(np.mean(known)), float(np.median(known)), float(np.sqrt(np.mean(known**2)))]
 
 
@@ -394,7 +395,7 @@ def identify(
         known = {**known, PRIOR_KIND: 1.0}
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
-    fold = None if folds == 0 else random_folds(problem, folds, seed)
+    fold = random_folds(problem, folds, seed) if folds else None
     report = progress or unheard
     # The searches are the first three fifths of the work, cross-validation the rest.
     searches = multi_start(
@@ -402,7 +403,7 @@ def identify(
     )
     fit = searches.best
     errors = uncertainty(problem, fit, law)
-    left_out = None
+    left_out = np.full(problem.groups.size, np.nan)
     failures = list[str]()
     if fold is not None:
         left_out, failures = cross_validate(
@@ -433,16 +434,16 @@ def _stayed_notes(blocks: Sequence[DataBlock], values: Values) -> list[str]:
     return notes
 
 
-def _isotropic_residuals(problem: JointProblem) -> Array | None:
-    """The residuals of isotropic friction, plate and floor flat, rod and ring as usual, no frames
-    shifted; None where that has no answer.
+def _isotropic_residuals(problem: JointProblem) -> Array:
+    """The residuals (n,) of isotropic friction, plate and floor flat, rod and ring as usual, no
+    frames shifted; nan where that has no answer.
     """
     plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset", "rod_off")
     usual = {**problem.fixed, **problem.space.nominal}
     flat = {name: 0.0 if name.startswith(plain) else usual[name] for name in usual}
     with suppress(*NO_ANSWER):
         return replace(problem, fixed=flat).evaluate(problem.space.vector(flat))[0]
-    return None
+    return np.full(problem.groups.size, np.nan)
 
 
 def _problem(

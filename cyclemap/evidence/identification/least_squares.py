@@ -94,6 +94,9 @@ class NoiseLaw:
         return 1.0 if self.freedom is None else (self.freedom + 1.0) / (self.freedom + 3.0)
 
 
+NORMAL = NoiseLaw()
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A minimum.
@@ -154,7 +157,7 @@ class Search:
     """
 
     def __init__(
-        self, problem: JointProblem, law: NoiseLaw | None, known: Mapping[str, float] | None = None
+        self, problem: JointProblem, law: NoiseLaw, known: Mapping[str, float] | None = None
     ) -> None:
         given = known or {}
         for kind, size in given.items():
@@ -162,7 +165,7 @@ class Search:
                 raise unknown_name("kind of noise", kind, problem.kind_names)
             positive_number(f"noise of {kind!r}", size)
         self.problem = problem
-        self.law = law or NoiseLaw()
+        self.law = law
         # What is given of the noise (kinds,), nan elsewhere, and its least size, empty until the
         # first start tells it.
         self.held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
@@ -346,7 +349,7 @@ def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
 def multi_start(
     problem: JointProblem,
     starts: Array,
-    law: NoiseLaw | None = None,
+    law: NoiseLaw = NORMAL,
     known: Mapping[str, float] | None = None,
     progress: Progress | None = None,
 ) -> MultiStart:

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import KroghInterpolator
-from scipy.special import diric
+from scipy.interpolate import lagrange
 
-from cyclemap.arrays import Array, Place, shorter_way
+from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -292,8 +291,9 @@ def interpolation(theta: ArrayLike, count: int) -> Array:
     True
     """
     nodes = 2.0 * np.pi * np.arange(count) / count
-    off = shorter_way(finite_array("theta", theta, ndim=1)[:, np.newaxis] - nodes)
-    return np.asarray(diric(off, count))
+    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - nodes
+    orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
+    return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
 
 
 def cycle_pair_block(
@@ -402,19 +402,18 @@ class _CycleTurns:
             turned, by_unknowns = self.at_nodes(values)
             return self.between @ turned - self.measured, self.between @ by_unknowns
         share, share_by_pace = worn_share([values[name] for name in PACE_NAMES], self.elapsed)
-        blending = KroghInterpolator(_WEAR_NODES, np.eye(len(_WEAR_NODES)))
-        weights = blending(share)
-        slopes = blending.derivative(share)
+        blends = [lagrange(_WEAR_NODES, basis) for basis in np.eye(len(_WEAR_NODES))]
         predicted = np.zeros(share.size)
         by_share = np.zeros(share.size)
         by_fresh = np.zeros((share.size, len(CYCLE_UNKNOWNS)))
         by_worn = np.zeros((share.size, len(WORN)))
-        for index, worn in enumerate(_WEAR_NODES):
+        for worn, blend in zip(_WEAR_NODES, blends, strict=True):
             turned, by_unknowns = self.at_nodes(values, worn)
             turns = self.between @ turned
-            predicted += weights[:, index] * turns
-            by_share += slopes[:, index] * turns
-            by_surface = weights[:, index, np.newaxis] * (self.between @ by_unknowns)
+            weight = blend(share)
+            predicted += weight * turns
+            by_share += blend.deriv()(share) * turns
+            by_surface = weight[:, np.newaxis] * (self.between @ by_unknowns)
             by_worn += worn * by_surface[:, : len(WORN)]
             by_surface[:, : len(WORN)] *= 1.0 - worn
             by_fresh += by_surface
