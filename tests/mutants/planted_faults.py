@@ -698,9 +698,9 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/identified_material.py": (
         f"{IDENTIFICATION}/test_derived_quantities.py {IDENTIFICATION}",
         [
-            ("(0.5 - found.level / 2.0, 0.5 + found.level / 2.0)", "(0.25, 0.75)"),
+            ("(0.5 - identified.level / 2.0, 0.5 + identified.level / 2.0)", "(0.25, 0.75)"),
             (
-                "off = rng.standard_normal(3) * found.session_spread",
+                "off = rng.standard_normal(3) * identified.session_spread",
                 "off = 0.0 * rng.standard_normal(3)",
             ),
             (
