@@ -5,7 +5,7 @@ material.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from typing import TypeVar
@@ -22,6 +22,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
     SurfaceParameters,
+    Values,
     floor_field,
     owned_shapes,
     worn_share,
@@ -311,7 +312,7 @@ def identified_curves(
     )
 
 
-def worn_surface(values: Mapping[str, float]) -> SurfaceParameters | None:
+def worn_surface(values: Values) -> SurfaceParameters | None:
     """Return the surface at the end of data that were let wear, by the values of all parameters;
     else None.
     """
@@ -332,7 +333,7 @@ def _worn_floor(identified: Identification, worn: SurfaceShape) -> SurfaceShape:
     return worn
 
 
-def _course(values: Mapping[str, float], last_cycle: float) -> tuple[tuple[float, float], ...]:
+def _course(values: Values, last_cycle: float) -> tuple[tuple[float, float], ...]:
     """How much of the wear is done after some cycles, as `Wear` takes it."""
     pace = [values[name] for name in PACE_NAMES if name in values]
     elapsed = np.arange(1, len(pace)) / max(len(pace), 1)

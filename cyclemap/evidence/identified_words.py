@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from cyclemap.evidence.identification.data_block import BELIEF_KINDS
+from cyclemap.evidence.identification.data_block import BELIEF_KINDS, Beliefs
 from cyclemap.evidence.identification.identify import Identification, KindErrors
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Unit
 
@@ -53,7 +53,7 @@ def provenance_words(identified: Identification, sources: Sequence[str]) -> str:
     return text + (f"; held: {held}" if held else "")
 
 
-def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
+def belief_words(beliefs: Beliefs) -> str:
     """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions
     are told once.
 

@@ -20,11 +20,12 @@ from cyclemap.evidence.identification.surface_parameters import (
     PACE_NAMES,
     Parameter,
     ParameterSpace,
+    Rows,
+    Values,
 )
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
-Values = Mapping[str, float]
 
 # Kinds whose rows are the two components of a vector, one behind the other.
 PLANE_KINDS = ("push place (m)", "scan force (N)", "wrench force (N)")
@@ -60,7 +61,8 @@ USUAL = MappingProxyType(
         **dict.fromkeys(PACE_NAMES, (0.0, 1.5)),
     }
 )
-Function = Callable[[Values], tuple[Array, Array]]
+Function = Callable[[Values], Rows]
+Beliefs = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +146,7 @@ class DataBlock:
         """Return the block's parameters by the names that its functions have for them."""
         return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
-    def residuals(self, values: Values) -> tuple[Array, Array]:
+    def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured values, and their derivatives.
 
         Parameters
@@ -192,7 +194,7 @@ class DataBlock:
         whole = self.function
         part = self.part
 
-        def some(values: Values) -> tuple[Array, Array]:
+        def some(values: Values) -> Rows:
             residual, jacobian = whole(values)
             return residual[rows], jacobian[rows]
 
@@ -242,7 +244,7 @@ class JointProblem:
 
     blocks: tuple[DataBlock, ...]
     space: ParameterSpace
-    fixed: Mapping[str, float]
+    fixed: Values
     block_index: Labels = field(init=False)
     groups: Labels = field(init=False)
     kinds: Kinds = field(init=False)
@@ -284,7 +286,7 @@ class JointProblem:
         """Return every parameter's value by name, at values (k,) of the free ones."""
         return {**self.fixed, **self.space.values(vector)}
 
-    def evaluate(self, vector: Array) -> tuple[Array, Array]:
+    def evaluate(self, vector: Array) -> Rows:
         """Return residuals (n,) and their derivatives by the free parameters (n, k). Raises
         whatever a block raises.
         """
@@ -297,7 +299,7 @@ class JointProblem:
             jacobians.append(block.columns_by(self.space.names, jacobian))
         return np.concatenate(residuals), np.concatenate(jacobians)
 
-    def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
+    def subset(self, keep: ArrayLike, values: Values) -> JointProblem:
         """Return the problem of the rows where `keep` (n,) is true; empty blocks drop out.
 
         A free parameter that no block asks for any more is held at its value in `values`.
@@ -314,7 +316,7 @@ class JointProblem:
         return JointProblem(tuple(parts), space, {**self.fixed, **idle})
 
 
-def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
+def prior_block(beliefs: Beliefs) -> DataBlock:
     """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block
     of data.
 
@@ -347,7 +349,7 @@ def linear_block(
 ) -> DataBlock:
     """Return the block of measured values (n,) that are ``jacobian`` (n, k) times parameters."""
 
-    def function(values: Values) -> tuple[Array, Array]:
+    def function(values: Values) -> Rows:
         return jacobian @ [values[key] for key in parameters] - measured, jacobian
 
     return DataBlock(name, parameters, function, groups, np.asarray(kinds, dtype=np.str_))

@@ -5,7 +5,7 @@ qualifies them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -19,10 +19,10 @@ from cyclemap.evidence.identification.data_block import (
     PLANE_KINDS,
     PRIOR_KIND,
     SESSION_KINDS,
+    Beliefs,
     DataBlock,
     JointProblem,
     Labels,
-    Values,
     prior_block,
 )
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
@@ -42,6 +42,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     ParameterSpace,
     SurfaceParameters,
+    Values,
     owned_shapes,
 )
 from cyclemap.evidence.laws.linear_fit import student_quantile
@@ -56,7 +57,6 @@ _CLOSE = 1e-3
 _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
 _TOLD = 0.8
-Beliefs = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ class Identification:
 
     estimates: tuple[Estimate, ...]
     level: float
-    priors: Mapping[str, tuple[float, float]]
+    priors: Beliefs
     errors: tuple[KindErrors, ...]
     starts: MultiStart
     fit: Fit
@@ -312,13 +312,13 @@ class Identification:
 def identify(
     blocks: Sequence[DataBlock],
     free: Sequence[str],
-    fixed: Mapping[str, float] | None = None,
+    fixed: Values | None = None,
     *,
     priors: Beliefs | None = None,
     starts: int = 8,
     level: float = 0.95,
     folds: int = 0,
-    noise: Mapping[str, float] | None = None,
+    noise: Values | None = None,
     student: float | None = None,
     space: ParameterSpace = SURFACE,
     seed: int = 0,
@@ -449,7 +449,7 @@ def _isotropic_residuals(problem: JointProblem) -> Array:
 def _problem(
     blocks: Sequence[DataBlock],
     free: tuple[str, ...],
-    fixed: Mapping[str, float],
+    fixed: Values,
     space: ParameterSpace,
 ) -> tuple[JointProblem, list[str]]:
     """The problem, and a note for every value that was not given."""

@@ -4,7 +4,7 @@ and the identification of collected data with it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     ParameterSpace,
     SurfaceParameters,
+    Values,
     field_factors,
 )
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
@@ -187,7 +188,7 @@ def telling_parameters(
 def identify_collected(
     collected: CollectedBlocks,
     known: Material | None,
-    fixed: Mapping[str, float],
+    fixed: Values,
     space: ParameterSpace,
     *,
     free: Sequence[str] = (),

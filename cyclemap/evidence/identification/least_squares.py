@@ -4,14 +4,12 @@ starts.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
 from cyclemap.evidence.identification.data_block import (
@@ -20,6 +18,7 @@ from cyclemap.evidence.identification.data_block import (
     USUAL_SPREAD,
     JointProblem,
 )
+from cyclemap.evidence.identification.surface_parameters import Rows, Values
 from cyclemap.progress import Progress, part_of, unheard
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
@@ -125,7 +124,7 @@ class Fit:
 
     vector: Array
     noise: Array
-    known: NDArray[np.bool_]
+    known: Mask
     deviance: float
     residuals: Array
     jacobian: Array
@@ -156,9 +155,7 @@ class Search:
     of an unknown kind.
     """
 
-    def __init__(
-        self, problem: JointProblem, law: NoiseLaw, known: Mapping[str, float] | None = None
-    ) -> None:
+    def __init__(self, problem: JointProblem, law: NoiseLaw, known: Values | None = None) -> None:
         given = known or {}
         for kind, size in given.items():
             if kind not in problem.kind_names:
@@ -211,11 +208,11 @@ class Search:
             message = f"the noise did not settle in {_ROUNDS} rounds"
         return self.fit(vector, noise, converged, message)
 
-    def at(self, vector: Array) -> tuple[Array, Array]:
+    def at(self, vector: Array) -> Rows:
         """Return residuals (n,) and derivatives (n, k), or raise what the model raises."""
         return self._evaluate(vector.tobytes())
 
-    def _evaluated(self, vector: bytes) -> tuple[Array, Array]:
+    def _evaluated(self, vector: bytes) -> Rows:
         self.count += 1
         both = self.problem.evaluate(np.frombuffer(vector))
         self.progress(self.count / (self.count + _HALF_WAY))
@@ -350,7 +347,7 @@ def multi_start(
     problem: JointProblem,
     starts: Array,
     law: NoiseLaw = NORMAL,
-    known: Mapping[str, float] | None = None,
+    known: Values | None = None,
     progress: Progress | None = None,
 ) -> MultiStart:
     """Fit from every start (count, k) and keep the best; a start without an answer is recorded and

@@ -15,7 +15,7 @@ from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
+from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD,
     FLOOR_NAMES,
@@ -24,7 +24,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
     Parameter,
+    Rows,
     SurfaceParameters,
+    Values,
     floor_field,
     worn_share,
 )
@@ -42,8 +44,6 @@ from cyclemap.mechanics import FoundWith, Material, Pusher, QuasiStaticModel, Sl
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
 from cyclemap.mechanics.foundation import FloorField
-
-Rows = tuple[Array, Array]
 
 # Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of
 # exact ones.

@@ -35,6 +35,9 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.foundation import FLAT, FloorField
 from cyclemap.mechanics.plate_footprint import mean_pressure, pressed_footprint
 
+Values = Mapping[str, float]
+# Numbers, and their derivatives.
+Rows = tuple[Array, Array]
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 FLOOR_NAMES = ("floor_dome", "floor_bow_x", "floor_bow_y")
 PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
@@ -189,7 +192,7 @@ class ParameterSpace:
         kept = [new.pop(parameter.name, parameter) for parameter in self.parameters]
         return ParameterSpace((*kept, *new.values()))
 
-    def vector(self, values: Mapping[str, float]) -> Array:
+    def vector(self, values: Values) -> Array:
         """Return the values (k,) in this order. Raises InvalidInput for one that is missing or not
         finite.
         """
@@ -311,7 +314,7 @@ def field_factors() -> Array:
     return factors
 
 
-def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> tuple[Array, Array]:
+def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> Rows:
     """Return how much of the wear is done, 0 to 1, and its derivatives (n, k) by the logarithms
     of the pace.
 
@@ -329,7 +332,7 @@ def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> tuple[Array, Array]:
     return share, worn * (done - share[:, np.newaxis])
 
 
-def floor_field(values: Mapping[str, float]) -> FloorField | None:
+def floor_field(values: Values) -> FloorField | None:
     """Return how values by name let a floor's shape vary with the place, kPa; None where they do
     not.
     """
@@ -403,7 +406,7 @@ class SurfaceParameters:
                 )
 
     @classmethod
-    def from_values(cls, values: Mapping[str, float]) -> SurfaceParameters:
+    def from_values(cls, values: Values) -> SurfaceParameters:
         """Return the surface of values by name; other names are left alone, missing ones take their
         nominal value.
         """
@@ -510,7 +513,7 @@ class SurfaceParameters:
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
 
 
-def owned_shapes(values: Mapping[str, float], names: tuple[str, ...]) -> dict[str, SurfaceShape]:
+def owned_shapes(values: Values, names: tuple[str, ...]) -> dict[str, SurfaceShape]:
     """Return the shapes, kPa at 50 mm, that three names tell, by their owner; of what has no owner,
     under the empty.
 
