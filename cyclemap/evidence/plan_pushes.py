@@ -221,44 +221,38 @@ def plan_pushes(
     True
     """
     asked = whole_number("pushes of a plan", count, least=1)
-    if asked > MOST_PUSHES:
-        raise InvalidInput(
-            f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"
-        )
     if target not in TARGETS:
         raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
-    for side in room:
-        positive_number("width and depth of a room", side)
-    for error, unit in zip(read, ("m", "rad"), strict=True):
-        non_negative_number(f"error in {unit}", error)
-    whole_number("samples", samples, least=2)
-    whole_number("candidates", candidates, least=asked)
-    require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
+    _check_sizes(asked, room, read, samples, candidates)
     report = progress or unheard
     known = sampled_beliefs(loop, samples)
     offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
     made = [push.measured(loop.slider, loop.pusher.radius) for push in offered]
     ends, by, measured = push_sensitivity(known, made, read)
     report(0.5)
-    fitting = [in_room(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
-    kept = [(index, push) for index, push in enumerate(fitting) if push is not None]
+    kept = dict[int, SetPush]()
+    for index, push in enumerate(offered):
+        in_middle = in_room(push, ends[:, index], loop, room)
+        if in_middle is not None:
+            kept[index] = in_middle
     if len(kept) < asked:
         held = f"{1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)}"
         raise InvalidInput(f"a room of {held} pushes: give a larger one, or ask for fewer pushes")
     wanted = target_of(known, target, by, push_noise(read)[:3])
     report(0.8)
-    design = Design(known.covariance, measured[:, [index for index, _ in kept]], wanted)
+    design = Design(known.covariance, measured[:, [*kept]], wanted)
     first = design.greedy(min(max(asked, *COUNTS), len(kept)), range(len(kept)))
     chosen = design.greedy(asked, design.exchanged(first[:asked]))
     fewer = [[other for other in chosen if other != index] for index in chosen]
-    planned = [kept[index] for index in chosen]
-    shift = np.array([(push.start.x, push.start.y, 0.0) for _, push in planned])
+    planned = np.array([*kept])[chosen].tolist()
+    pushes = tuple(kept[index] for index in planned)
+    shift = np.array([(push.start.x, push.start.y, 0.0) for push in pushes])
     report(1.0)
     return PushPlan(
         loop,
         target,
-        tuple(push for _, push in planned),
-        ends[:, [index for index, _ in planned]].mean(axis=0) + shift,
+        pushes,
+        ends[:, planned].mean(axis=0) + shift,
         _knowledge(design, first, chosen, seed),
         design.knowledge(max(fewer, key=design.loss)),
         wanted.chance,
@@ -267,6 +261,23 @@ def plan_pushes(
         len(known.values),
         len(kept),
     )
+
+
+def _check_sizes(
+    asked: int, room: tuple[float, float], read: tuple[float, float], samples: int, candidates: int
+) -> None:
+    """Refuse numbers of a plan that make no sense, or are too large."""
+    if asked > MOST_PUSHES:
+        raise InvalidInput(
+            f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"
+        )
+    for side in room:
+        positive_number("width and depth of a room", side)
+    for error, unit in zip(read, ("m", "rad"), strict=True):
+        non_negative_number(f"error in {unit}", error)
+    whole_number("samples", samples, least=2)
+    whole_number("candidates", candidates, least=asked)
+    require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
 
 
 def candidate_pushes(

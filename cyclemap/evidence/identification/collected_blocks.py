@@ -214,16 +214,7 @@ def collected_blocks(
     if isinstance(chosen.get("object"), str):
         loop = loop_of_plate(loop, str(chosen["object"]))
     data = _Data(loop, RowSelection(_known_objects(loop, chosen), chosen), wanted)
-    files = list(dict.fromkeys(file for path in paths for file in files_of_data(path)))
-    unused = list[tuple[str, str]]()
-    for index, file in enumerate(files):
-        try:
-            known = recognise(file)
-        except DataFileError as error:
-            unused.append((str(file), str(error).removeprefix(f"{file}").lstrip(":, ")))
-            known = []
-        for row in known:
-            data.add_file(row, part_of(progress, index, len(files)))
+    unused = data.add_paths(paths, progress)
     if len(data.surfaces) > 1:
         listed = ", ".join(sorted(data.surfaces))
         raise InvalidInput(f"the data are of several surfaces: {listed}; select one, surface=NAME")
@@ -269,6 +260,22 @@ class _Data:
     filled: dict[tuple[float, ...], str] = field(default_factory=dict)
     surfaces: set[str] = field(default_factory=set)
     objects: set[str] = field(default_factory=set)
+
+    def add_paths(
+        self, paths: Sequence[str | Path], progress: Progress | None
+    ) -> list[tuple[str, str]]:
+        """Add the blocks of all that paths hold; return the files of no use, with the reason."""
+        files = list(dict.fromkeys(file for path in paths for file in files_of_data(path)))
+        unused = []
+        for index, file in enumerate(files):
+            try:
+                known = recognise(file)
+            except DataFileError as error:
+                unused.append((str(file), str(error).removeprefix(f"{file}").lstrip(":, ")))
+                continue
+            for row in known:
+                self.add_file(row, part_of(progress, index, len(files)))
+        return unused
 
     def add_file(self, file: DataFile, progress: Progress) -> None:
         """Add the blocks of one sort of data in a file, session by session."""
