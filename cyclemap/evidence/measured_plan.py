@@ -89,10 +89,10 @@ def empty_table(
     empty += [] if by == "corners" else [*ROD]
     marks = [MM * coordinate for mark in marks_of(loop.slider) for coordinate in mark]
     rows = []
-    for number, planned in enumerate(pushes, 1):
+    for index, planned in enumerate(pushes, 1):
         push = planned.push
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
-        row: list[object] = [number, file_stem(loop.slider.name), push.side, push.fraction]
+        row: list[object] = [index, file_stem(loop.slider.name), push.side, push.fraction]
         row += _rounded([math.degrees(push.angle), MM * push.distance, *_written(planned.start)])
         fixed = [*(MM * place), *way, *marks, MM * read[0], math.degrees(read[1])]
         rows.append([*row, *[None] * len(empty), *_rounded(fixed)])
@@ -108,12 +108,12 @@ def robot_schedule(plan: PushPlan) -> bytes:
     """
     slider = plan.loop.slider
     rows = []
-    for number, planned in enumerate(plan.pushes, 1):
+    for index, planned in enumerate(plan.pushes, 1):
         first, last = MM * planned.rod(slider, plan.loop.pusher.radius)
         approach = first - APPROACH * (last - first) / planned.push.distance
         ring = [MM * coordinate for coordinate in planned.start.to_world(*slider.hitch)]
         places = [*approach, *first, *last, *ring]
-        rows.append([number, *_rounded([*_written(planned.start), *places])])
+        rows.append([index, *_rounded([*_written(planned.start), *places])])
     return table_bytes(ROBOT, rows, excel=False)
 
 

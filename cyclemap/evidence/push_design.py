@@ -82,8 +82,8 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
         mend = "give --floor unknown, plywood-floor, abs-floor, or a file that identify wrote"
         raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
     every = [
-        starting_space(on_material(loop, loop.material.sample(number))).nominal
-        for number in range(len(posterior))
+        starting_space(on_material(loop, loop.material.sample(index))).nominal
+        for index in range(len(posterior))
     ]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = evenly_spread(len(every), samples)

@@ -686,7 +686,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/evidence/simulation",
         [
             (
-                "np.random.SeedSequence(self.seed, spawn_key=(stream, number))",
+                "np.random.SeedSequence(self.seed, spawn_key=(stream, cycle))",
                 "np.random.SeedSequence(self.seed, spawn_key=(stream, 0))",
             ),
             (

@@ -298,11 +298,11 @@ def push_end_blocks(
     small = errors[errors <= LARGEST_TIP_ERROR]
     strayed = float(small.mean()) if len(small) else 0.0
     yield from left_out("the tip was not where it was sent", len(rows) - len(pushes))
-    number = first_set if rows[FRAMES_AGREE].notna().any() else None
+    by_marks = first_set if rows[FRAMES_AGREE].notna().any() else None
     places = [push.contact for push in pushes]
     alone = np.arange(len(pushes))
     read = _read_errors(rows)
-    yield from _end_blocks(pushes, places, alone, loop, wanted, read, number, strayed)
+    yield from _end_blocks(pushes, places, alone, loop, wanted, read, by_marks, strayed)
 
 
 def _end_blocks(

@@ -4,7 +4,7 @@ whole cycles.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -130,23 +130,22 @@ def push_end_block(
     """
     unknown = TIP_OFFSET if first_set is None else set_ups(first_set, len(pushes))
     # Which of the unknowns a push has, along x, along y, and, where it is its own, of its turn.
-    own = np.arange(len(unknown)).reshape(-1, 2 if first_set is None else 3)
-    own = np.broadcast_to(own, (len(pushes), own.shape[1]))
+    width = 2 if first_set is None else 3
+    own = np.broadcast_to(np.arange(len(unknown)).reshape(-1, width), (len(pushes), width))
 
     def ends(model: QuasiStaticModel, chosen: Labels, values: Values) -> StrokeEnds:
         columns = own[chosen]
         off = np.zeros((chosen.size, 3))
-        off[:, : own.shape[1]] = np.array([values[row.name] for row in unknown])[columns]
+        off[:, :width] = np.array([values[row.name] for row in unknown])[columns]
         strokes = [pushes[index] for index in chosen.tolist()]
         moved, by, stayed = predicted_push_ends(
             model, strokes, off[:, :2], PUSH_NAMES, target, off[:, 2]
         )
         by_off = np.zeros((chosen.size, 3, len(unknown)))
-        by_own = by[..., -3:][..., : own.shape[1]]
-        np.put_along_axis(by_off, columns[:, None], by_own, axis=-1)
+        np.put_along_axis(by_off, columns[:, None], by[..., -3:][..., :width], axis=-1)
         return moved, np.concatenate([by[..., :-3], by_off], axis=-1), stayed
 
-    kinds = {"x": "push place (m)", "y": "push place (m)", "theta": "push turn (rad)"}
+    kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     parameters = (*(() if target is None else FIELD), *unknown)
     return _stroke_block(
         "push ends", pushes, slider, ends, kinds, PUSH_NAMES, parameters, rod_radius
@@ -204,7 +203,7 @@ def drag_turn_block(
         return predicted_drag_ends(model, strokes, values["pin_friction_radius"], target)
 
     own = () if target is None else FIELD
-    kinds = {"theta": "drag turn (rad)"}
+    kinds = ("drag turn (rad)",)
     return _stroke_block("drag-backs", drags, slider, ends, kinds, DRAG_NAMES, own)
 
 
@@ -213,7 +212,7 @@ def _stroke_block(
     strokes: Sequence[MeasuredPush] | Sequence[MeasuredDrag],
     slider: Slider,
     ends: Callable[[QuasiStaticModel, Labels, Values], StrokeEnds],
-    kinds: Mapping[str, str],
+    kinds: tuple[str, ...],
     names: tuple[str, ...],
     own_parameters: tuple[Parameter, ...],
     rod_radius: float = MIT_ROD_RADIUS,
@@ -221,13 +220,13 @@ def _stroke_block(
     """The block of strokes of an object; strokes of one contact are a group.
 
     ends : model, indices of strokes, values -> where they end.
-    kinds : what is measured of a pose, and its noise.
+    kinds : noise of what is measured of a pose, its place and its orientation, or the latter alone.
     names : parameters of the mechanics, the friction law's first, by which these ends are
         differentiated before the own ones.
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")
-    rows = [("x", "y", "theta").index(coordinate) for coordinate in kinds]
+    count = len(kinds)
     # The motion does not depend on the mean friction.
     unknowns = (*SURFACE.names[1:5], *names[len(FRICTION_NAMES) :])
     parameters = (*unknowns, *(parameter.name for parameter in own_parameters))
@@ -240,10 +239,10 @@ def _stroke_block(
         predicted, by, stayed = ends(model, chosen, values)
         by_surface = surface.chain(by[..., : len(names)], names, unknowns)
         jacobian = np.concatenate([by_surface, by[..., len(names) :]], axis=-1)
-        return (predicted - measured[chosen])[:, rows], jacobian[:, rows], stayed
+        return (predicted - measured[chosen])[:, -count:], jacobian[:, -count:], stayed
 
     def part(chosen: Labels) -> Function:
-        indices = chosen[:: len(rows)] // len(rows)
+        indices = chosen[::count] // count
 
         def function(values: Values) -> Rows:
             residual, jacobian, _ = misfit(indices, values)
@@ -252,13 +251,13 @@ def _stroke_block(
         return function
 
     turned = [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
-    groups = np.repeat([stroke.contact for stroke in strokes], len(rows))
+    groups = np.repeat([stroke.contact for stroke in strokes], count)
     return DataBlock(
         name,
         parameters,
         part(np.arange(groups.size)),
         groups,
-        np.tile([*kinds.values()], len(strokes)),
+        np.tile(kinds, len(strokes)),
         own_parameters,
         part,
         np.array(turned),
