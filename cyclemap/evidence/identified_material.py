@@ -15,7 +15,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identification.identify import Identification, Quantity
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PACE_NAMES,
@@ -60,20 +60,12 @@ POSTERIOR_SAMPLES = 200
 
 
 @dataclass(frozen=True)
-class Derived:
-    """One quantity: its value and interval.
-
-    unit : `1`, `kPa` or `rad`; angles are on the lift nearest to the value.
+class Derived(Quantity):
+    """What follows from identified parameters; see `Quantity`.
 
     known : whether the data tell it; a direction that may be any is not.
     """
 
-    name: str
-    description: str
-    unit: str
-    value: float
-    lower: float
-    upper: float
     known: bool = True
 
 

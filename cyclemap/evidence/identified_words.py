@@ -10,10 +10,8 @@ from collections.abc import Sequence
 
 from cyclemap.evidence.identification.data_block import BELIEF_KINDS, Beliefs
 from cyclemap.evidence.identification.identify import Identification, KindErrors
-from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Unit
+from cyclemap.written import NUMBER, Unit, readable_unit
 
-# What people are told SI units in.
-_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
 # Means of errors, by what is said before them.
 _MOMENTS = {"": "mean", "left out ": "left_out_mean", "isotropic ": "isotropic_mean"}
 # An identification that misses more than isotropic friction, by this factor, has found nothing of
@@ -37,10 +35,8 @@ def provenance_words(identified: Identification, sources: Sequence[str]) -> str:
     origin = f" in {', '.join(sources)}" if sources else ""
     estimates = []
     for row in identified.lasting:
-        unit = readable_unit(row.unit)
-        value, lower, upper = (
-            f"{round(unit.of_si(size), 6):.4g}" for size in (row.value, row.lower, row.upper)
-        )
+        unit, *sizes = row.readable
+        value, lower, upper = (f"{round(size, 6):.4g}" for size in sizes)
         interval = f"{value} ({lower} to {upper}){unit.sign}"
         estimates.append(f"{row.name} {interval if row.identifiable else 'not identifiable'}")
     free = "; ".join(estimates)
@@ -104,11 +100,6 @@ def readable_kind(kind: str) -> tuple[str, Unit]:
     """
     match = re.fullmatch(r"(.*) \((\S+)\)", kind)
     return (kind, NUMBER) if match is None else (match[1], readable_unit(match[2]))
-
-
-def readable_unit(unit: str) -> Unit:
-    """Return the unit that people are told numbers of an SI unit in."""
-    return _READABLE.get(unit, Unit(unit, float))
 
 
 def implausible(identified: Identification, reach: float) -> tuple[str, ...]:

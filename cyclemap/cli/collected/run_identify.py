@@ -21,7 +21,7 @@ from cyclemap.evidence.identification.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
 )
-from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors
+from cyclemap.evidence.identification.identify import Identification, KindErrors, Quantity
 from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
@@ -30,7 +30,7 @@ from cyclemap.evidence.identified_material import (
     identified_curves,
     identified_material,
 )
-from cyclemap.evidence.identified_words import implausible, readable_kind, readable_unit
+from cyclemap.evidence.identified_words import implausible, readable_kind
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
@@ -255,8 +255,8 @@ def identify_report(
     }
 
 
-def _in_its_unit(result: Estimate | Derived) -> Json:
-    unit = readable_unit(result.unit)
+def _in_its_unit(result: Quantity) -> Json:
+    unit = result.readable[0]
     return {**json_of(result, unit=Unit("", unit.of_si)), "unit": unit.ending or "1"}
 
 
@@ -300,11 +300,10 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     )
 
 
-def _readable(result: Estimate | Derived) -> tuple[str, str, str]:
+def _readable(result: Quantity) -> tuple[str, str, str]:
     """A value with its unit, and the ends of its interval."""
-    unit = readable_unit(result.unit)
-    numbers = (result.value, result.lower, result.upper)
-    value, lower, upper = (_digits(unit.of_si(number)) for number in numbers)
+    unit, *numbers = result.readable
+    value, lower, upper = map(_digits, numbers)
     return f"{value}{unit.sign}", lower, upper
 
 

@@ -49,7 +49,7 @@ from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.progress import Progress, part_of, unheard
-from cyclemap.written import UNWRITTEN
+from cyclemap.written import UNWRITTEN, Unit, readable_unit
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
@@ -179,15 +179,39 @@ def _moments(kind: str, errors: Array) -> list[float]:
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """One parameter, as identified.
+class Quantity:
+    """A number with its interval.
 
     Attributes
     ----------
-    name, description, unit : str
-        As of the `Parameter`.
+    name, description : str
+        What it is called, and in plain words what it is.
+    unit : str
+        SI, or kPa; 1 for a pure number.
     value, lower, upper : float
-        Best value and ends of its interval, in `unit`.
+        Best value and ends of its interval, in `unit`; angles are on the lift nearest to the value.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+
+    @property
+    def readable(self) -> tuple[Unit, float, float, float]:
+        """The unit that people are told it in; value and ends of its interval in that."""
+        unit = readable_unit(self.unit)
+        return unit, unit.of_si(self.value), unit.of_si(self.lower), unit.of_si(self.upper)
+
+
+@dataclass(frozen=True)
+class Estimate(Quantity):
+    """One parameter, as identified; see `Quantity`.
+
+    Attributes
+    ----------
     standard_error : float
         To first order, inf where the data do not fix it.
     identifiable : bool
@@ -198,12 +222,6 @@ class Estimate:
         The end is a bound, not a finding.
     """
 
-    name: str
-    description: str
-    unit: str
-    value: float
-    lower: float
-    upper: float
     standard_error: float
     identifiable: bool
     at_bound: str
