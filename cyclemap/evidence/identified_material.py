@@ -15,7 +15,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.identify import Identification, Quantity
+from cyclemap.evidence.identification.identify import Identification, NamedInterval
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PACE_NAMES,
@@ -60,8 +60,8 @@ POSTERIOR_SAMPLES = 200
 
 
 @dataclass(frozen=True)
-class Derived(Quantity):
-    """What follows from identified parameters; see `Quantity`.
+class Derived(NamedInterval):
+    """What follows from identified parameters; see `NamedInterval`.
 
     known : whether the data tell it; a direction that may be any is not.
     """

@@ -21,7 +21,7 @@ from cyclemap.evidence.identification.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
 )
-from cyclemap.evidence.identification.identify import Identification, KindErrors, Quantity
+from cyclemap.evidence.identification.identify import Identification, KindErrors, NamedInterval
 from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
@@ -255,7 +255,7 @@ def identify_report(
     }
 
 
-def _in_its_unit(result: Quantity) -> Json:
+def _in_its_unit(result: NamedInterval) -> Json:
     unit = result.readable[0]
     return {**json_of(result, unit=Unit("", unit.of_si)), "unit": unit.ending or "1"}
 
@@ -300,7 +300,7 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     )
 
 
-def _readable(result: Quantity) -> tuple[str, str, str]:
+def _readable(result: NamedInterval) -> tuple[str, str, str]:
     """A value with its unit, and the ends of its interval."""
     unit, *numbers = result.readable
     value, lower, upper = map(_digits, numbers)

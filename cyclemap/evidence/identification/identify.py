@@ -179,7 +179,7 @@ def _moments(kind: str, errors: Array) -> list[float]:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class NamedInterval:
     """A number with its interval.
 
     Attributes
@@ -207,8 +207,8 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Estimate(Quantity):
-    """One parameter, as identified; see `Quantity`.
+class Estimate(NamedInterval):
+    """One parameter, as identified; see `NamedInterval`.
 
     Attributes
     ----------
