@@ -640,18 +640,18 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "evidence/predicted_strokes.py": (
-        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+        "tests/evidence/identification/test_stroke_block.py tests/evidence/identification",
         [
             ("for push in pushes]) / model.unit - travel", "for push in pushes]) / model.unit"),
             ("longer = normal / (normal @ toward)", "longer = normal"),
         ],
     ),
-    "evidence/data_blocks/stroke_block.py": (
-        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+    "evidence/identification/stroke_block.py": (
+        "tests/evidence/identification/test_stroke_block.py tests/evidence/identification",
         [
-            ("predicted += weights[:, index] * turns", "predicted += turns"),
+            ("predicted += weight * turns", "predicted += turns"),
             (
-                "weights[:, index, np.newaxis] * (self.between @ by_unknowns)",
+                "weight[:, np.newaxis] * (self.between @ by_unknowns)",
                 "self.between @ by_unknowns",
             ),
             ("by_worn += worn * by_surface", "by_worn += 0.5 * by_surface"),
@@ -686,7 +686,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/evidence/simulation",
         [
             (
-                "np.random.SeedSequence(self.seed, spawn_key=(stream, number))",
+                "np.random.SeedSequence(self.seed, spawn_key=(stream, cycle))",
                 "np.random.SeedSequence(self.seed, spawn_key=(stream, 0))",
             ),
             (
@@ -698,9 +698,9 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/identified_material.py": (
         f"{IDENTIFICATION}/test_derived_quantities.py {IDENTIFICATION}",
         [
-            ("(0.5 - found.level / 2.0, 0.5 + found.level / 2.0)", "(0.25, 0.75)"),
+            ("(0.5 - identified.level / 2.0, 0.5 + identified.level / 2.0)", "(0.25, 0.75)"),
             (
-                "off = rng.standard_normal(3) * found.session_spread",
+                "off = rng.standard_normal(3) * identified.session_spread",
                 "off = 0.0 * rng.standard_normal(3)",
             ),
             (
@@ -763,7 +763,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "evidence/pushes/contact_forces.py": (
-        f"{PUSHES} tests/evidence/data_blocks",
+        f"{PUSHES} tests/evidence/identification",
         [
             (
                 "np.median(np.abs(force.imag) / force.real)",
