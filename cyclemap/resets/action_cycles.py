@@ -220,7 +220,7 @@ def seconds(travel: Array, turned: Array) -> Array:
     >>> seconds(np.array([0.25, 0.25]), np.array([0.0, 1.0])).tolist()
     [22.5, 32.5]
     """
-    return np.asarray(travel / ROD_SPEED + HANDLING + GRIPPING * turned)
+    return travel / ROD_SPEED + HANDLING + GRIPPING * turned
 
 
 def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Array:

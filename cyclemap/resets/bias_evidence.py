@@ -375,4 +375,4 @@ def arc_likelihoods(paths: Array) -> Array:
     for width in _WIDTHS:
         on_it = before[:, width : width + CELLS] - before[:, :CELLS] == every[:, None]
         total += (CELLS / width) ** visits * np.sum(on_it, axis=1)
-    return np.asarray(total / (CELLS * len(_WIDTHS)), dtype=np.float64)
+    return total / (CELLS * len(_WIDTHS))
