@@ -5,7 +5,7 @@ differ.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -197,27 +197,29 @@ def _push_set(
     if ordered:
         rows = rows.sort_values("repetition", kind="stable")
     theta, dtheta, dx, dy = (rows[column].to_numpy() for column in ("theta0", *QUANTITIES))
-    if pairs is None:
-        pairs = _pairs(
-            theta, rows["theta_next"].to_numpy(), rows["repetition"] if ordered else None
-        )
+    ahead = rows["theta_next"].to_numpy()
+    known = np.isfinite(ahead)
+    if pairs is None and known.any():
+        if ordered:
+            pairs = ordered_pairs(theta, ahead, rows["repetition"].to_numpy())
+        else:
+            pairs = Theta0Pairs(theta[known], ahead[known])
     return PushSet(name, home, facts, contacts, theta, dtheta, dx, dy, pairs)
 
 
-def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) -> Theta0Pairs | None:
-    """The steps of pushes, in order where they are numbered; None without any."""
+def ordered_pairs(theta: Array, theta_next: Array, numbers: Array) -> Theta0Pairs:
+    """The pairs of pushes (n,), rad, NaN where the next θ0 is not known, in the order of their
+    numbers (n,), with the path of all of them.
+
+    Across a missing push the path takes the shorter way; it breaks where the next θ0 is not known.
+    """
     known = np.isfinite(theta_next)
-    if not known.any():
-        return None
-    if repetition is None:
-        return Theta0Pairs(theta[known], theta_next[known])
-    # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
-    numbers = repetition.to_numpy()
     turn = theta_next - theta
-    follows = known[:-1] & (np.diff(numbers) == 1.0)
-    steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
+    follows = np.diff(numbers) == 1.0
+    steps = np.where(known[:-1] & follows, turn[:-1], shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    return Theta0Pairs.along(path, turn, known, numbers)
+    moved = numbers[:-1][follows & ~known[:-1]]
+    return replace(Theta0Pairs.along(path, turn, known, numbers), moved=tuple(moved.tolist()))
 
 
 def _names(sets: list[tuple[Path, Row]]) -> list[str]:
