@@ -54,8 +54,9 @@ class SampledTurns:
         """The largest slope of the turn, (actions,), over all materials, between neighbouring
         samples.
         """
-        around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
-        steps = np.abs(np.diff(around, axis=-1)) * (self.turn.shape[-1] / TWO_PI)
+        steps = np.abs(np.diff(self.turn, append=self.turn[..., :1])) * (
+            self.turn.shape[-1] / TWO_PI
+        )
         return np.asarray(steps.max(axis=(0, 2)))
 
     def refined(self, samples: int) -> Array:

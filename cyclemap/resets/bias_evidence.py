@@ -361,18 +361,13 @@ def arc_likelihoods(paths: Array) -> Array:
     """Return the likelihood of the visits of each path (n, m), rad from its start, mixed over arcs;
     of chance: 1.
     """
-    cells = np.floor(paths * (CELLS / TWO_PI) + _OFFSET).astype(np.int64) % CELLS
-    visited = np.zeros((len(paths), CELLS), dtype=bool)
-    visited[np.arange(len(paths))[:, None], cells] = True
     # The start is a visit, too.
-    visited[:, 0] = True
-    before = np.cumsum(
-        np.concatenate([np.zeros((len(paths), 1)), visited, visited], axis=1), axis=1
-    )
-    every = before[:, CELLS]
-    visits = paths.shape[1] + 1
+    visits = np.insert(paths, 0, 0.0, axis=1)
+    cells = np.sort(np.floor(visits * (CELLS / TWO_PI) + _OFFSET).astype(np.int64) % CELLS, axis=1)
+    empty = np.diff(cells, axis=1, append=cells[:, :1] + CELLS) - 1
     total = np.zeros(len(paths))
     for width in _WIDTHS:
-        on_it = before[:, width : width + CELLS] - before[:, :CELLS] == every[:, None]
-        total += (CELLS / width) ** visits * np.sum(on_it, axis=1)
+        # What an arc leaves out lies in one stretch of empty cells: in so many places.
+        arcs = np.maximum(empty - (CELLS - width) + 1, 0).sum(axis=1)
+        total += (CELLS / width) ** visits.shape[1] * arcs
     return total / (CELLS * len(_WIDTHS))

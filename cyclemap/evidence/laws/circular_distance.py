@@ -432,10 +432,10 @@ def kernel_modes(theta: ArrayLike, bandwidth: float = DEFAULT_BANDWIDTH) -> Arra
     moments = np.array([np.mean(np.exp(1j * k * angles)) for k in order])
     weights = np.exp(-0.5 * np.square(width * order)) * moments.conj() / np.pi
 
-    def slope(at: Array) -> Array:
-        return np.real(np.exp(1j * np.multiply.outer(at, order)) @ (1j * order * weights))
+    def series(at: Array, weights: Array) -> Array:
+        return np.real(np.exp(1j * np.multiply.outer(at, order)) @ weights)
 
     count = 1 << int(np.ceil(np.log2(8 * order.size)))
     grid = TWO_PI * np.arange(count) / count
-    values = 1.0 / TWO_PI + np.real(np.exp(1j * np.multiply.outer(grid, order)) @ weights)
-    return peaks_of(slope, grid, values, _LEAST_RISE)
+    values = 1.0 / TWO_PI + series(grid, weights)
+    return peaks_of(lambda at: series(at, 1j * order * weights), grid, values, _LEAST_RISE)

@@ -163,29 +163,22 @@ def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFr
     Raises InvalidInput, telling what there is, for a column of another name and where no push has a
     value.
     """
-    kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
         if column not in SET_FACTS:
             raise unknown_name("column", column, SET_FACTS)
         cells = table[column]
-        same = (
-            cells == value
-            if column in _TEXT
-            else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
-        )
+        same = cells == value
+        if column not in _TEXT:
+            same = np.isclose(cells, value, rtol=1e-6, atol=1e-9)
         if not np.any(same):
-            there = ", ".join(
-                sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells})
+            there = sorted(
+                {f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells}
             )
             raise InvalidInput(
-                f"no such {column}: {value}; the data have {there or 'no push at all'}"
+                f"no such {column}: {value}; the data have {', '.join(there) or 'no push at all'}"
             )
-        kept &= np.asarray(same, dtype=bool)
-    if select and not kept.any():
-        raise InvalidInput(
-            f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once"
-        )
-    return table[kept]
+        table = table[same]
+    return table
 
 
 def _push_set(
