@@ -578,7 +578,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ORIENTATIONS,
         [
             ("seed + _APART * (index + 1)", "seed"),
-            ("self.map.cycles - self.first", "self.map.cycles"),
+            ("worn.cycles - self.first", "worn.cycles"),
             (
                 "np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI",
                 "np.abs(climb(paths)) / TWO_PI",
