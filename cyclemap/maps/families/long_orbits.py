@@ -28,6 +28,7 @@ from cyclemap.maps.families.family import (
     parametric_form,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
 from cyclemap.maps.quadrature import arc_rule
@@ -427,18 +428,13 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
-    slopes, errors = circle_map.derivative_and_error(points)
-    slopes = np.abs(slopes)
-    if np.any(slopes == 0.0):
+    stretch = np.abs(circle_map.derivative(points))
+    if np.any(stretch == 0.0):
         return Estimate(float("-inf"), 0.0)
-    exponent = float(np.mean(np.log(slopes)))
-    # The orbit is known to rounding over 1 - |multiplier|: what so small a shift changes is the
-    # bound.
-    gap = 1.0 - min(float(np.prod(slopes)), 1.0 - EPS)
+    exponent = float(np.mean(np.log(stretch)))
+    # The orbit is known to rounding over 1 - |multiplier|.
+    gap = 1.0 - min(float(np.prod(stretch)), 1.0 - EPS)
     shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / gap
-    nearby = [np.abs(circle_map.derivative(points + side * 1e3 * shift)) for side in (-1.0, 1.0)]
-    with np.errstate(divide="ignore"):
-        changes = np.mean(np.abs(np.log(nearby) - np.log(slopes)), axis=1)
-    moved = float(np.max(changes)) / 1e3
+    _, errors = slope_and_error_beside(circle_map, points, shift)
     rounding = 8.0 * EPS * (1.0 + abs(exponent))
-    return Estimate(exponent, moved + _from_slopes(errors, slopes) + rounding)
+    return Estimate(exponent, _from_slopes(errors, stretch) + rounding)

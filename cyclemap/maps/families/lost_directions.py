@@ -23,7 +23,7 @@ from cyclemap.maps.families.family import (
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.families.orbit_equations import second_derivative
+from cyclemap.maps.lifts.lift_checks import differences
 from cyclemap.written import DIRECTION
 
 _AIRY = 2.338107410459767  # the first zero of Ai(-x)
@@ -118,7 +118,7 @@ def slow_folds(
         p = float(fold.parameter)
         theta = fold.points
         member = family_member(family, p)
-        bend = 0.5 * float(second_derivative(member, theta)[0])
+        bend = 0.5 * float(differences(member.derivative, member.breaks, theta)[0][0])
         push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)

@@ -33,7 +33,11 @@ from cyclemap.maps.lifts.scan import INSET
 
 
 def slope_and_error_beside(
-    circle_map: CircleMap, theta: Array, moved: Array, low: Array, high: Array
+    circle_map: CircleMap,
+    theta: Array,
+    moved: Array | float,
+    low: Array | float = -np.inf,
+    high: Array | float = np.inf,
 ) -> tuple[Array, Array]:
     """F' at ``theta``, which may be off by ``moved``, and a bound on its error; F' is read in [low,
     high] only.

@@ -17,6 +17,7 @@ from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import distance_to_break, nearest_on_circle
+from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
@@ -304,9 +305,11 @@ def _followed(
         multiplier = multiplier * slope
         sides = np.where(slope >= 0.0, sides, -sides)
         off = np.minimum(np.where(index >= 0, bound[index], bound), 1e-6)
-        steepness, error = _slope_and_error(circle_map, angle, off)
-        product = product * steepness
-        largest = largest * (steepness + error)
+        # The sides of a break are not mixed.
+        smooth = distance_to_break(circle_map.breaks, angle) > off + _LINKED
+        slope, error = slope_and_error_beside(circle_map, angle, np.where(smooth, off, 0.0))
+        product = product * np.abs(slope)
+        largest = largest * (np.abs(slope) + error)
         index = np.where(index >= 0, image[index], -1)
         angle = np.where(index >= 0, theta[index], np.mod(circle_map(angle), TWO_PI))
         near = np.abs(shorter_way(angle - theta)) <= _LINKED + np.minimum(bound, 1e-6)
@@ -314,17 +317,6 @@ def _followed(
         prime = np.where(back & (prime == period) & (period % passed == 0), passed, prime)
     size = np.max(np.abs(multiplier), axis=0)
     return prime, multiplier, largest - product + 4.0 * EPS * period * (largest + size)
-
-
-def _slope_and_error(circle_map: CircleMap, theta: Array, off: Array) -> tuple[Array, Array]:
-    """|F'| and a bound on its error at angles that may be off by so much; the sides of a break are
-    not mixed.
-    """
-    slope, error = circle_map.derivative_and_error(theta)
-    sides = [circle_map.derivative(theta + side * off) for side in (-1.0, 1.0)]
-    smooth = distance_to_break(circle_map.breaks, theta) > off + _LINKED
-    moved = np.max([np.abs(side - slope) for side in sides], axis=0)
-    return np.abs(slope), error + smooth * moved
 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
