@@ -4,6 +4,7 @@ lift.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import numpy as np
@@ -16,8 +17,31 @@ from cyclemap.maps.estimate import EPS, LIFT, STENCIL
 
 Lift = Callable[[Array], Array]
 Scalar = Callable[[float], float]
-SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
 Index = npt.NDArray[np.intp]
+
+
+class MadeLift(ABC):
+    """A lift that is made of pieces or of other lifts, and knows the errors of its slopes."""
+
+    has_scalar: bool = False
+    """Whether one python float is quicker than an array: the lift has a form of its own for it."""
+
+    @abstractmethod
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta`` (radians, any shape)."""
+
+    @abstractmethod
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """Its slope, from the right where that jumps, and a bound on the slope's error."""
+
+    def derivative(self, theta: Array) -> Array:
+        """Its slope."""
+        return self.derivative_and_error(theta)[0]
+
+    def scalar(self) -> Scalar:
+        """The same lift for one python float."""
+        return lambda theta: float(self(np.asarray(theta)))
+
 
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
 JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
