@@ -16,6 +16,7 @@ from cyclemap.checks import non_negative_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import within_turn
 from cyclemap.maps.lifts.map_algebra import CompositeLift
 from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic
 from cyclemap.plain_text import install_words
@@ -200,25 +201,24 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
     arb = ball_library().arb
     if not float(jet.value.rad()) < np.pi:  # a turn or more, or unknown
         return Jet(arb.nan(), arb.nan())
-    turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
-    base = jet.value - 2 * arb.pi() * turns
-    low = np.nextafter(float(base.lower()), -np.inf)
-    high = np.nextafter(float(base.upper()), np.inf)
-    # The cubics of three turns; a neighbour more on either side is never wrong, as the ends of
-    # turns are rounded.
-    starts = np.concatenate([pieces.knots[:-1] + TWO_PI * lap for lap in (-1, 0, 1)])
-    ends = np.append(starts[1:], 2.0 * TWO_PI)
-    first = max(int(np.searchsorted(starts, low, side="right")) - 2, 0)
-    last = int(np.searchsorted(starts, high, side="left")) + 1
+    low = np.nextafter(float(jet.value.lower()), -np.inf)
+    high = np.nextafter(float(jet.value.upper()), np.inf)
+    count = pieces.knots.size - 1
+    base, laps = within_turn(np.array([low, high]))
+    first, last = (np.searchsorted(pieces.knots, base, "right") + count * laps).astype(int)
     values = []
     slopes = []
-    for index, (start, end) in enumerate(zip(starts[first:last], ends[first:last], strict=True)):
+    # A neighbour more on either side is never wrong, as the ends of turns are rounded.
+    for index in range(first - 2, last + 1):
+        lap, piece = divmod(index, count)
+        ends = pieces.knots[piece : piece + 2] + TWO_PI * lap
+        start, end = np.nextafter(ends, [-np.inf, np.inf])
         if max(low, start) > min(high, end):
             continue
-        lap, piece = divmod(first + index, pieces.knots.size - 1)
-        offset = arb(max(low, start)).union(arb(min(high, end))) - float(start)
+        turned = 2 * arb.pi() * lap
+        place = arb(max(low, start)).union(arb(min(high, end)))
+        offset = place - turned - float(pieces.knots[piece])
         c0, c1, c2, c3 = pieces.coefficients[:, piece].tolist()
-        climb = 2 * arb.pi() * (pieces.degree * (lap - 1 + turns))
-        values.append(((c3 * offset + c2) * offset + c1) * offset + c0 + climb)
+        values.append(((c3 * offset + c2) * offset + c1) * offset + c0 + pieces.degree * turned)
         slopes.append((3 * c3 * offset + 2 * c2) * offset + c1)
     return Jet(reduce(arb.union, values), reduce(arb.union, slopes) * jet.slope)

@@ -187,27 +187,20 @@ def _one_period(
     tangents = np.zeros_like(angles) if slopes is None else slopes
     table = np.stack([angles, values, tangents])
     climb = np.array([TWO_PI, TWO_PI * degree, 0.0])
-    if angles[1] == angles[0]:
-        end = table[:, 0] + climb
-        last = table[:, -1]
-        if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
-            raise InvalidInput(
-                f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}"
-            )
-        table = table[:, 1:]
-    elif angles[-1] - angles[0] > TWO_PI - 1e-9:
-        if angles[-2] == angles[-1]:
-            table = table[:, :-1]
-        end = table[:, -1]
-    else:
-        end = table[:, 0] + climb
-    if angles[1] == angles[0] or angles[-1] - angles[0] > TWO_PI - 1e-9:
-        table = table[:, table[0] < table[0, 0] + TWO_PI - 1e-9]
+    inner = angles < angles[0] + TWO_PI - 1e-9
+    doubled = bool(angles[1] == angles[0])
+    end = table[:, 0] + climb
+    if not inner[-1] and not doubled:
+        end = table[:, np.argmin(inner)]
+    elif not inner[-1] and abs(values[-1] - end[1]) > 1e-9:
+        raise InvalidInput(
+            f"the end point holds {values[-1]:g}, the left entry of its angle {end[1]:g}"
+        )
+    table = table[:, inner][:, int(doubled) :]
     end[0] = table[0, 0] + TWO_PI
     gap = np.abs(end - table[:, 0] - climb)
     smooth = bool(gap[1] <= 1e-12 * (1.0 + abs(end[1])) and (slopes is None or gap[2] <= 1e-9))
-    closed = smooth and angles[1] != angles[0]
-    return np.column_stack([table, end]), closed
+    return np.column_stack([table, end]), smooth and not doubled
 
 
 def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) -> Array:

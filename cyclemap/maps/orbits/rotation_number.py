@@ -21,7 +21,7 @@ from cyclemap.checks import (
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
-from cyclemap.maps.lifts.lift_checks import Lift, Scalar
+from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
 
@@ -113,30 +113,11 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
             image = circle_map(theta)
             theta = image - TWO_PI * np.floor(image / TWO_PI)
         return visited
-    lift = circle_map.scalar()
     for row, start in zip(visited, starts.tolist(), strict=True):
-        angle = start - TWO_PI * floor(start / TWO_PI)
-        row[:] = [angle, *_images(lift, angle, count - 1)[0]]
+        orbit = _PushedOrbit(circle_map, 0.0, start - TWO_PI * floor(start / TWO_PI))
+        orbit.run_to(count - 1)
+        row[:] = orbit.visited
     return visited
-
-
-def _images(
-    lift: Scalar, theta: float, count: int, push: float = 0.0
-) -> tuple[list[float], list[int]]:
-    """The images of ``theta`` under F + push, in [0, 2π), and the whole turns taken off up to
-    each.
-    """
-    visited = []
-    laps = []
-    turns = 0
-    for _ in range(count):
-        image = lift(theta) + push
-        lap = floor(image / TWO_PI)
-        theta = image - TWO_PI * lap
-        turns += lap
-        visited.append(theta)
-        laps.append(turns)
-    return visited, laps
 
 
 def window(count: int) -> Array:
@@ -461,21 +442,29 @@ def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
 
 
 class _PushedOrbit:
-    """The orbit of θ = 0 under F + push, kept in [0, 2π] with its whole turns counted apart."""
+    """The orbit of ``start`` in [0, 2π) under F + push, kept there with its whole turns counted
+    apart.
+    """
 
-    def __init__(self, circle_map: CircleMap, push: float) -> None:
+    def __init__(self, circle_map: CircleMap, push: float, start: float = 0.0) -> None:
         self._lift = circle_map.scalar()
         self._push = push
-        self.visited = [0.0]
+        self.visited = [start]
         self.laps = [0]
 
     def run_to(self, count: int) -> None:
         """Go on to the iterate of that number."""
-        more = count + 1 - len(self.laps)
-        visited, laps = _images(self._lift, self.visited[-1], more, self._push)
-        before = self.laps[-1]
-        self.visited += visited
-        self.laps += [before + turns for turns in laps]
+        lift = self._lift
+        push = self._push
+        theta = self.visited[-1]
+        turns = self.laps[-1]
+        for _ in range(count + 1 - len(self.laps)):
+            image = lift(theta) + push
+            lap = floor(image / TWO_PI)
+            theta = image - TWO_PI * lap
+            turns += lap
+            self.visited.append(theta)
+            self.laps.append(turns)
 
     def settles(self, ratio: Fraction) -> bool:
         """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no
@@ -516,7 +505,6 @@ def _locking_proof(
     side = np.array([[1.0], [-1.0]])
     beside = np.concatenate([-_REACH, [0.0], _REACH])
     start = np.array([near]).T + beside
-    before = np.full(2, -1e9)
     for _ in range(_ZOOMS):
         theta = start
         turns = np.zeros(start.shape)
@@ -531,12 +519,9 @@ def _locking_proof(
         if np.all(most > _MARGIN):
             above, below = start[[0, 1], best].tolist()
             return LockingProof(ratio, below, above)
-        if np.any((most <= _MARGIN) & (most <= before + 0.1 * np.abs(before))):
-            return None
         low = np.maximum(best - 1, 0)
         high = np.minimum(best + 1, beside.size - 1)
         start = np.linspace(start[[0, 1], low], start[[0, 1], high], beside.size, axis=1)
-        before = most
     return None
 
 
