@@ -274,9 +274,9 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             # The margin of the first bracket is no fault to plant: brackets widen until these hold.
             (
-                "(np.abs(low) > low_noise + TANGENCY * touch)\n"
-                "            & (np.abs(high) > high_noise + TANGENCY * touch)",
-                "(np.abs(low) > TANGENCY * touch)\n            & (np.abs(high) > TANGENCY * touch)",
+                "(np.abs(low) > low_noise + TANGENCY * touches)\n"
+                "            & (np.abs(high) > high_noise + TANGENCY * touches)",
+                "(np.abs(low) > TANGENCY * touches)\n            & (np.abs(high) > TANGENCY * touches)",
             ),
             (
                 "broken = np.any(table < 0, axis=0)",

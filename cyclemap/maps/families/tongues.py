@@ -208,8 +208,10 @@ class EdgeSearch:
             self.marks.append(where)
             self.tried.clear()
         error = above - below + self._off(trial, parameter, unseen) + 2.0 * EPS * abs(parameter)
-        folds = trial.monotone is not trial.member
-        return Estimate(parameter, error), *self._touching(trial), folds
+        points = self._orbit(trial)
+        meets = float(np.min(distance_to_break(trial.member.breaks, points))) < _AT_BREAK
+        kind = "border-collision" if meets else "saddle-node"
+        return Estimate(parameter, error), points, kind, trial.monotone is not trial.member
 
     def _bracketed(self) -> tuple[float, float]:
         """Neighbouring floats, M below 0 at the lower one, and not at the upper one."""
@@ -248,26 +250,22 @@ class EdgeSearch:
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
         return (LIFT * angle * disturbed + unseen) / moved
 
-    def _touching(self, trial: _Trial) -> tuple[Array, str]:
-        """The orbit at which the extremum is 0, by the limits of the side it is taken from; what
-        meets there.
-        """
+    def _orbit(self, trial: _Trial) -> Array:
+        """The orbit at which the extremum is taken, by the limits of the side it is taken from."""
         lift = trial.monotone.right if self._sign > 0.0 else trial.monotone.left
         points = np.full(self.ratio.denominator, trial.extremum[1] % TWO_PI)
-        for i in range(1, points.size):
-            points[i] = np.mod(lift(points[i - 1]), TWO_PI)
-        meets = float(np.min(distance_to_break(trial.member.breaks, points))) < _AT_BREAK
-        return points, "border-collision" if meets else "saddle-node"
+        for index in range(1, points.size):
+            points[index] = np.mod(lift(points[index - 1]), TWO_PI)
+        return points
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to
         first order.
         """
-        image = np.array(trial.extremum[1])
+        points = self._orbit(trial)
         gained = 0.0
-        for _ in range(self.ratio.denominator):
-            gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
-            image = np.mod(trial.monotone(image), TWO_PI)
+        for moved, slope in zip(push(points), trial.monotone.derivative(points), strict=True):
+            gained = float(moved + slope * gained)
         return gained
 
 
@@ -495,15 +493,15 @@ def tongues(
             "of each"
         )
     places = list(product(wanted, values.tolist()))
-    found = list(each_done(partial(_tongue_at, family, within), places, executor, progress))
-    edges = [edge for locked in found for edge in (locked.left, locked.right)]
-    errors = [edge.error_bound for edge in edges]
-    left, right, left_error, right_error = (
-        read_only(column.reshape(len(wanted), values.size))
-        for column in (*np.reshape(edges, (-1, 2)).T, *np.reshape(errors, (-1, 2)).T)
+    locked = each_done(partial(_tongue_at, family, within), places, executor, progress)
+    rows = [
+        (at.left, at.right, at.left.error_bound, at.right.error_bound, at.folded) for at in locked
+    ]
+    table = read_only(np.transpose(rows).reshape(5, len(wanted), values.size))
+    left, right, left_error, right_error, folded = table
+    return TongueBoundaries(
+        wanted, read_only(values), left, right, left_error, right_error, folded > 0.0
     )
-    folded = np.reshape([locked.folded for locked in found], left.shape)
-    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
 
 
 def _tongue_at(family: Family, within: Range, place: tuple[Fraction, float]) -> Tongue:

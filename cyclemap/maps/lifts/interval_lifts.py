@@ -21,7 +21,8 @@ from cyclemap.maps.lifts.map_algebra import CompositeLift
 from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic
 from cyclemap.plain_text import install_words
 
-# flint.arb, a midpoint and a radius: every operation gives a ball that holds the true result
+# flint.arb, a midpoint and a radius, or a power series of two: every operation gives balls that hold
+# the true result
 Ball = Any
 
 _WRITTEN = (
@@ -39,7 +40,7 @@ def ball_library() -> Any:  # typed as Any: an extra that need not be there
     return flint
 
 
-def _lifted(operation: Callable[..., Any]) -> Callable[..., Jet]:
+def _lifted(operation: Callable[..., Ball]) -> Callable[..., Jet]:
     """A method of jets for an operation on power series."""
 
     def method(*jets: Jet | float) -> Jet:
@@ -49,7 +50,7 @@ def _lifted(operation: Callable[..., Any]) -> Callable[..., Jet]:
     return method
 
 
-def _series(number: Jet | float) -> Any:
+def _series(number: Jet | float) -> Ball:
     """The two terms of a jet, or a number as it is."""
     if isinstance(number, Jet):
         return ball_library().arb_series([number.value, number.slope], prec=2)

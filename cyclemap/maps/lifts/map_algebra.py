@@ -15,9 +15,9 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, require_room, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT
-from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
+from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
@@ -30,7 +30,7 @@ from cyclemap.maps.lifts.lift_checks import (
     distance_to_break,
     within_turn,
 )
-from cyclemap.maps.lifts.scan import INSET
+from cyclemap.maps.lifts.scan import monotone_cells, pulled_back
 
 
 def slope_and_error_beside(
@@ -206,8 +206,7 @@ class _Stage:
     high: Array
 
 
-MAX_BREAKS = 250_000
-_SAME = 8.0 * INSET  # radians: breaks nearer than this are one
+MAX_ITERATES = 250_000
 _GRID = TWO_PI * np.arange(2048.0) / 2048.0
 
 
@@ -245,7 +244,7 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     >>> doubled.degree, round(float(doubled(0.0)), 6)
     (2, 3.141593)
     """
-    breaks = _pulled_back(inner, outer.breaks, branches(inner) if outer.breaks.size else ())
+    breaks = _breaks_before(inner, outer.breaks, 1)
     return _composite([inner, outer], breaks, _error_after(outer, inner.max_error))
 
 
@@ -271,17 +270,15 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     32
     """
     count = whole_number("n", n, least=0)
-    require_room("the iterate", count, "iterate less often", MAX_BREAKS)
+    require_room("the iterate", count, "iterate less often", MAX_ITERATES)
     if count == 0:
         return CircleMap.rigid(0.0)
     if count == 1:
         return circle_map
-    breaks = circle_map.breaks
     error = circle_map.max_error
-    parts = branches(circle_map) if breaks.size else ()
     for _ in range(count - 1):
-        breaks = _pulled_back(circle_map, breaks, parts)
         error = _error_after(circle_map, error)
+    breaks = _breaks_before(circle_map, circle_map.breaks, count - 1)
     return _composite([circle_map] * count, breaks, error)
 
 
@@ -446,20 +443,11 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
     return CircleMap(lift, None, breaks, degree, max_error=max_error)
 
 
-def _pulled_back(inner: CircleMap, levels: Array, parts: tuple[Branch, ...]) -> Array:
-    """The breaks of ``inner`` and the preimages of ``levels``, each once: sorted, in [0, 2π)."""
+def _breaks_before(inner: CircleMap, levels: Array, cycles: int) -> Array:
+    """The breaks of ``inner`` and the preimages of ``levels`` up to so many cycles back."""
     if levels.size == 0:
         return inner.breaks
-    roots, plateaus = preimages_on(parts, levels, inner.degree)
-    angles = base_angles(np.append(roots, plateaus))
-    angles = np.sort(np.where(angles > TWO_PI - _SAME, 0.0, angles))
-    angles = angles[distance_to_break(inner.breaks, angles) > _SAME]
-    angles = angles[np.diff(angles, prepend=-1.0) > _SAME]
-    if angles.size > MAX_BREAKS:
-        raise ConvergenceError(
-            f"the composite has {angles.size} breaks, more than {MAX_BREAKS}: iterate less often"
-        )
-    return np.union1d(inner.breaks, angles)
+    return pulled_back(inner, monotone_cells(inner, 1, 0.0), inner.breaks, levels, cycles)
 
 
 def _error_after(outer: CircleMap, error: float) -> float:

@@ -246,25 +246,21 @@ def _error_bounds(
     touches = role >= _TOUCH
     half[touches] = np.maximum(half[touches], TANGENCY)
     bound = np.full(half.shape, np.inf)
-    left = np.flatnonzero(role != _BORDER)
     for _ in range(_WIDENINGS):
-        if left.size == 0:
+        wanted = np.isinf(bound) & (role != _BORDER) & (half < np.pi)
+        if not np.any(wanted):
             break
-        touch = touches[left]
         (low, _, low_noise), (high, _, high_noise) = (
-            displacement(circle_map, theta[left] + side * half[left], period, winding[left])
-            for side in (-1, 1)
+            displacement(circle_map, theta + side * half, period, winding) for side in (-1, 1)
         )
-        sides = np.where(touch, low * high > 0.0, low * high < 0.0)
+        sides = np.where(touches, low * high > 0.0, low * high < 0.0)
         done = (
             sides
-            & (np.abs(low) > low_noise + TANGENCY * touch)
-            & (np.abs(high) > high_noise + TANGENCY * touch)
+            & (np.abs(low) > low_noise + TANGENCY * touches)
+            & (np.abs(high) > high_noise + TANGENCY * touches)
         )
-        bound[left[done]] = half[left[done]]
-        left = left[~done]
-        half[left] *= 2.0
-        left = left[half[left] < np.pi]
+        bound = np.where(wanted & done, half, bound)
+        half = 2.0 * half
     return bound
 
 
