@@ -18,7 +18,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.families.family import break_motion
-from cyclemap.maps.orbits.rotation_number import weighted_mean
+from cyclemap.maps.orbits.orbit_means import weighted_mean
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 from tests.maps.known_maps import DOUBLING
 from tests.refusals import refused

@@ -102,7 +102,7 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     """
     start = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK
     width = TWO_PI / _FIRST_LOOK
-    found = (0.0, 0.0)
+    unseen = (0.0, 0.0)
     smooth_ones_count = False
     while start.size:
         theta = start[:, None] + width * _QUARTERS
@@ -121,11 +121,11 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
             smooth = smooth | left
             left = np.zeros_like(left)
         highest = int(np.argmax(np.where(smooth, height, 0.0)))
-        if smooth[highest] and height[highest] > found[0]:
-            found = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
+        if smooth[highest] and height[highest] > unseen[0]:
+            unseen = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
         start = (start[left, None] + width * _QUARTERS[:-1]).ravel()
         width = 0.25 * width
-    return found
+    return unseen
 
 
 @dataclass(frozen=True, eq=False)
