@@ -327,7 +327,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "float(n * np.pi / np.sqrt(bend * least))",
                 "float(np.pi / np.sqrt(bend * least))",
             ),
-            ("unknown = 0.5 * float(np.max(rounding)) / abs(gap)", "unknown = 0.0"),
+            ("unknown = 0.5 * float(np.max(rounding)) / abs(passage.gap)", "unknown = 0.0"),
             (
                 "true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))",
                 "true = float(np.dot(stretch, 1.0 / g[:-2]))",

@@ -184,16 +184,17 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     direction = _directions(cells, first, last, smooth)
     cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
     cut = cut if cut.size else np.array([0])
+    # A branch may run on into the next turn.
+    start, end = (np.append(nodes, nodes + TWO_PI) for nodes in (cells.start, cells.end))
+    first, last = (np.append(values, values + cells.climb) for values in (first, last))
     made = []
     for a, b in zip(cut, np.append(cut[1:], cut[0] + cells.start.size), strict=True):
-        lap, own_cells = np.divmod(np.arange(a, b), cells.start.size)
-        laps = np.append(lap, lap[-1])
         sign = -1 if direction[a] < 0 else 1
-        theta = np.append(cells.start[own_cells], cells.end[own_cells[-1]]) + TWO_PI * laps
-        value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
+        theta = np.append(start[a:b], end[b - 1])
+        value = np.append(first[a:b], last[b - 1])
         rising = np.maximum.accumulate(sign * value)
         table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
-        ends = [float(column[i]) for column in (theta, value) for i in (0, -1)]
+        ends = [float(column[place]) for column in (theta, value) for place in (0, -1)]
         made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
     return tuple(made)
 

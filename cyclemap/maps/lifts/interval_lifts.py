@@ -201,7 +201,7 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
         turned = 2 * arb.pi() * lap
         place = arb(max(low, start)).union(arb(min(high, end)))
         offset = place - turned - float(pieces.knots[piece])
-        c0, c1, c2, c3 = pieces.coefficients[:, piece].tolist()
-        values.append(((c3 * offset + c2) * offset + c1) * offset + c0 + pieces.degree * turned)
-        slopes.append((3 * c3 * offset + 2 * c2) * offset + c1)
+        cubic = ball_library().arb_poly(pieces.coefficients[:, piece].tolist())
+        values.append(cubic(offset) + pieces.degree * turned)
+        slopes.append(cubic.derivative()(offset))
     return Jet(reduce(arb.union, values), reduce(arb.union, slopes) * jet.slope)
