@@ -4,7 +4,6 @@ much of an error the last cycles of a path keep.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -25,11 +24,11 @@ from cyclemap.maps.estimate import ANGLE
 from cyclemap.maps.families.family import (
     Family,
     ParametricFunction,
+    broadcast_parameters,
     each_done,
     family_member,
     parametric_form,
 )
-from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.orbit_means import DEVIATIONS, orbit_angles
 from cyclemap.progress import Progress
 from cyclemap.written import DIRECTION
@@ -145,7 +144,7 @@ def orbit_diagram(
 
 
 def lyapunov_exponents(
-    family: Callable[..., CircleMap],
+    family: Family,
     *parameters: ArrayLike,
     cycles: int = 2_000,
     transient: int = 500,
@@ -196,22 +195,18 @@ def lyapunov_exponents(
     >>> bool(found.value[0] < -1.0 < 1.0 < found.value[1])
     True
     """
-    if not parameters:
-        raise InvalidInput("parameters are missing: give an array for each parameter of the family")
-    arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
+    arrays, shape, flat = broadcast_parameters(parameters)
     count = whole_number("cycles", cycles, least=_PARTS)
     skipped = whole_number("transient", transient, least=0)
     theta = finite_number("start", start)
-    shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
     formula = parametric_form(family)
     lengths = np.diff(np.linspace(0, count, _PARTS + 1).astype(int))
     if formula is not None and formula.derivative is not None:
         sums = _sums_together(formula.lift, formula.derivative, flat, theta, skipped, lengths)
     else:
-        rows = list(zip(*(array.tolist() for array in flat), strict=True))
         work = partial(_sums, family, theta, skipped, lengths)
-        sums = np.array(list(each_done(work, rows, executor, progress, 16))).T
+        rows = each_done(work, flat.T.tolist(), executor, progress, 16)
+        sums = np.array(list(rows)).T
     value = sums.sum(axis=0) / count
     with np.errstate(invalid="ignore"):
         spread = np.std(sums / lengths[:, None], axis=0, ddof=1)
@@ -226,13 +221,13 @@ def lyapunov_exponents(
 def _sums_together(
     lift: ParametricFunction,
     derivative: ParametricFunction,
-    parameters: list[Array],
+    parameters: Array,
     start: float,
     skipped: int,
     lengths: Whole,
 ) -> Array:
     """(parts, m): the sum of ln|F'| over each part of many orbits."""
-    angle = np.full(parameters[0].size, start)
+    angle = np.full(parameters.shape[1], start)
     for _ in range(skipped):
         angle = np.mod(lift(angle, *parameters), TWO_PI)
     sums = np.zeros((lengths.size, angle.size))
@@ -243,7 +238,7 @@ def _sums_together(
 
 
 def _sums(
-    family: Family, start: float, skipped: int, lengths: Whole, parameters: tuple[float, ...]
+    family: Family, start: float, skipped: int, lengths: Whole, parameters: list[float]
 ) -> Array:
     """(parts,): the same of one orbit."""
     member = family_member(family, *parameters)

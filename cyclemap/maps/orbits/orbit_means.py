@@ -150,8 +150,6 @@ def weighted_mean(values: Array) -> Estimate:
     if np.any(np.isneginf(values)):
         return Estimate(-np.inf, 0.0)
     sequence = finite_array("values", values, ndim=1)
-    if sequence.size < 16:
-        raise InvalidInput(f"values has {sequence.size} entries: give at least 16")
     half = sequence.size // 2
     mean = _windowed(sequence)
     apart = max(

@@ -378,8 +378,6 @@ def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:
     """The fraction of smallest denominator in [low, high] (Stern-Brocot descent)."""
-    if high < low:
-        raise InvalidInput(f"the interval [{low}, {high}] is empty: give low <= high")
     whole = ceil(low)
     if whole <= high:
         return Fraction(whole)
