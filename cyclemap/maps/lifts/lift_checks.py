@@ -183,7 +183,6 @@ _TURN = 0.0731 + np.linspace(0.0, TWO_PI, 65)
 _POINTS = np.concatenate([_SPREAD, _SPREAD + TWO_PI, _TURN])
 _TOLERANCE = 1e-8  # radians, and relative: F(θ + 2π) - F(θ) off by less is a lift
 _HIDDEN_JUMP = np.pi  # radians: a larger step between neighbours is looked into
-_SECTIONS = np.arange(65.0) / 64.0
 
 
 def base_angles(theta: Array) -> Array:
@@ -347,16 +346,13 @@ def _refuse_hidden_jump(
     lap = np.searchsorted(np.concatenate([breaks, breaks + TWO_PI]), points)
     free = np.where(np.diff(lap) == 0, steps, 0.0)
     worst = int(np.argmax(free))
-    low = points[worst]
-    high = points[worst + 1]
+    low, high = points[worst : worst + 2]
     step = free[worst]
     while step > _HIDDEN_JUMP and high - low > 1e-13:
-        sections = low + (high - low) * _SECTIONS
-        steps = np.abs(np.diff(lift(sections)))
-        worst = int(np.argmax(steps))
-        low = sections[worst]
-        high = sections[worst + 1]
-        step = steps[worst]
+        middle = 0.5 * (low + high)
+        before, after = np.abs(np.diff(lift(np.array([low, middle, high]))))
+        low, high = (low, middle) if before >= after else (middle, high)
+        step = max(before, after)
     ends = np.array([low, high])
     steepest = 0.0 if derivative is None else float(np.max(np.abs(derivative(ends))))
     if step > _HIDDEN_JUMP + 8.0 * steepest * (high - low):

@@ -191,24 +191,26 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
 
 
 def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints:
-    """The proved points as arrays: their periods follow from their images, their kinds from their
+    """The proved points, whose periods follow from their images, their kinds from their
     multipliers.
     """
     points = proved_points(circle_map, n, slope_error)
-    multipliers = [point.multiplier for point in points]
-    theta = np.array([point.theta for point in points])
-    multiplier = np.array(multipliers)
-    error = np.array([each.error_bound for each in multipliers])
-    bound = np.array([point.theta.error_bound for point in points])
-    winding = np.array([point.winding for point in points], dtype=np.int64)
-    image = np.array([point.image for point in points], dtype=np.int64)
-    prime = 1 + np.argmax(_visits(image, n + 1)[1:] == np.arange(theta.size), axis=0)
-    size = np.abs(multiplier)
-    kind = np.where(
-        np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
-    ).astype("<U16")
+    visits = _visits(points.image, n + 1)
+    prime = 1 + np.argmax(visits[1:] == visits[0], axis=0)
+    size = np.abs(points.multiplier)
+    neutral = np.abs(size - 1.0) <= points.multiplier_error
+    kind = np.where(neutral, "neutral", np.where(size < 1.0, "stable", "unstable")).astype("<U16")
     return PeriodicPoints(
-        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n
+        points.theta,
+        points.winding,
+        points.multiplier,
+        points.multiplier,
+        points.multiplier_error,
+        prime,
+        kind,
+        points.error_bound,
+        points.image,
+        n,
     )
 
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -69,20 +69,22 @@ class LockingProof:
     above: float
 
 
-@dataclass(frozen=True)
-class ProvedPoint:
-    """A point with Fⁿ(θ) = θ + 2πw that is there, alone within its error bound.
+@dataclass(frozen=True, eq=False)
+class ProvedPoints:
+    """Points with Fⁿ(θ) = θ + 2πw that are there, sorted, each alone within its error bound.
 
-    theta : radians in [0, 2π).
+    theta : radians in [0, 2π); error_bound : theirs.
     winding : w.
-    multiplier : (Fⁿ)' there.
-    image : index of the point that F maps it to.
+    multiplier : (Fⁿ)' there; multiplier_error : bounds on the errors of that.
+    image : index of the point that F maps each to.
     """
 
-    theta: Estimate
-    winding: int
-    multiplier: Estimate
-    image: int
+    theta: Array
+    error_bound: Array
+    winding: Whole
+    multiplier: Array
+    multiplier_error: Array
+    image: Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +99,7 @@ class _Cell:
     turns: int
 
 
-def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> list[ProvedPoint]:
+def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> ProvedPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, sorted: that there are so many, and where, is a
     theorem.
 
@@ -170,7 +172,7 @@ class _Proof:
                     "constant of the lift, such as a rounded π, must cancel"
                 )
 
-    def points(self) -> list[ProvedPoint]:
+    def points(self) -> ProvedPoints:
         """Every crossing between cells that keep off the multiples of 2π, in order."""
         lap = self.degree**self.period - 1
         cut, turns = self._cut()
@@ -185,12 +187,16 @@ class _Proof:
                 crossings.append(self._enclosed(run, level, lap))
             run = cell
         crossings.sort(key=lambda item: item[0])
-        angles = np.array([theta for theta, _, _, _ in crossings])
-        bounds = np.array([theta.error_bound for theta, _, _, _ in crossings])
-        return [
-            ProvedPoint(theta, winding, multiplier, self._image(ball, angles, bounds))
-            for theta, winding, multiplier, ball in crossings
+        rows = [
+            (theta, theta.error_bound, multiplier, multiplier.error_bound)
+            for theta, _, multiplier, _ in crossings
         ]
+        theta, bound, multiplier, error = np.reshape(rows, (-1, 4)).astype(float).T
+        winding = np.array([turns for _, turns, _, _ in crossings], dtype=np.int64)
+        image = [self._image(ball, theta, bound) for _, _, _, ball in crossings]
+        return ProvedPoints(
+            theta, bound, winding, multiplier, error, np.array(image, dtype=np.int64)
+        )
 
     def rises(self) -> bool:
         """Whether F' > 0 all round, on arcs halved as long as that may be told."""
