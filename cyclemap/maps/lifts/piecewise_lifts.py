@@ -61,19 +61,15 @@ class PiecewiseCubic(MadeLift):
         """Its slope and what rounding makes of it."""
         return with_rounding(self.derivative(theta))
 
-    def rises(self) -> bool:
-        """Whether no cubic falls anywhere."""
+    def surely_rises(self) -> bool:
+        """Whether no cubic falls, as its slope's coefficients in Bernstein's polynomials tell: where
+        they do not, it may rise all the same.
+        """
         _, first, second, third = self.coefficients
         width = np.diff(self.knots)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # The slope is a parabola in the offset: least at an end, or at its vertex if that lies
-            # between.
-            vertex = np.clip(np.nan_to_num(-second / (3.0 * third)), 0.0, width)
-        slopes = [
-            (3.0 * third * offset + 2.0 * second) * offset + first
-            for offset in (0.0 * width, vertex, width)
-        ]
-        return bool(np.min(slopes) >= 0.0)
+        middle = first + second * width
+        last = middle + (second + 3.0 * third * width) * width
+        return bool(np.min([first, middle, last]) >= 0.0)
 
     def _locate(self, theta: Array) -> tuple[Index, Array, Array]:
         base, turns = within_turn(theta)

@@ -50,9 +50,10 @@ def largest_descent(circle_map: CircleMap) -> float:
     Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see
     ``GRAIN``).
     """
-    if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
+    pieces = circle_map.pieces
+    if circle_map.breaks.size == 0 and pieces is not None and pieces.surely_rises():
         return 0.0
-    smooth = circle_map.breaks.size == 0 and circle_map.pieces is None
+    smooth = circle_map.breaks.size == 0 and pieces is None
     try:
         value = _skeleton(circle_map)[1]
     except ConvergenceError:
