@@ -182,17 +182,12 @@ def _plateaus(
     # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
     low = theta[after - 1] + INSET
     high = theta[after] - INSET
-    end = theta[after].copy()
 
     def residual(x: Array, wanted: Array) -> Array:
         return mirror * circle_map(mirror * x) - wanted
 
-    at_low = residual(low, level)
-    at_high = residual(high, level)
-    inside = (high > low) & (at_low < 0.0) & (at_high > 0.0)
-    if np.any(inside):
-        wanted = level[inside]
-        end[inside] = bracketed_root(lambda x, i: residual(x, wanted[i]), low[inside], high[inside])
+    met = bracketed_root(lambda x, index: residual(x, level[index]), low, high)
+    end = np.where((high > low) & (residual(high, level) > 0.0), met, theta[after])
     return theta[first], end, level
 
 
