@@ -15,7 +15,13 @@ from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, base_angles
+from cyclemap.maps.lifts.lift_checks import (
+    JUMP,
+    SIDE_STEP,
+    SNAP,
+    base_angles,
+    distance_to_break,
+)
 from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells, ranks
 
 
@@ -49,8 +55,13 @@ class MonotoneTable:
         )
         if inside.size:
             level = wanted[inside]
+            # At a break F has the value from the right, which belongs to the next branch.
+            broken = distance_to_break(self.map.breaks, high[inside]) <= SNAP
+            last = high[inside] - SIDE_STEP * broken
             result[inside] = bracketed_root(
-                lambda x, i: self.sign * self.map(x) - level[i], low[inside], high[inside]
+                lambda x, index: self.sign * self.map(np.minimum(x, last[index])) - level[index],
+                low[inside],
+                high[inside],
             )
         return np.reshape(result, np.shape(values))
 
