@@ -219,9 +219,9 @@ _CROSSING, _KINK, _TOUCH, _BORDER = range(4)
 
 def _all_roots(scan: DiagonalScan) -> tuple[Array, Whole, Whole]:
     """All roots, sorted, the w of each, and what it is."""
-    cell = np.flatnonzero(scan.turn_start != scan.turn_end)
-    turns = (scan.turn_start[cell], scan.turn_end[cell])
-    theta, whole, _ = solved(scan.map, scan.cells, cell, np.float64(0.0), *turns)
+    start, end = scan.turns.reshape(-1, 2).T
+    cell = np.flatnonzero(start != end)
+    theta, whole, _ = solved(scan.map, scan.cells, cell, np.float64(0.0), start[cell], end[cell])
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
     role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
