@@ -24,6 +24,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.interval_lifts import Ball, IntervalLift, Jet, ball_library, interval_lift
+from cyclemap.maps.lifts.scan import bracketed_root
 
 _PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
@@ -41,7 +42,7 @@ _CUTS = (
     2.3456,
 )  # where a turn may be cut: no number of mathematics
 _SEAM = 1e-12  # radians on both sides of the cut that must be free of points
-_NEWTON_STEPS = 300
+_NEWTON_STEPS = 2  # from a root that is good to a float's digits
 _FLAT = 1e-6  # radians: an arc this narrow on which the sign of F' cannot be told may be flat
 _LONGEST_FOLDED = 6  # iterates of a lift that folds: each has many more monotone pieces
 
@@ -316,26 +317,18 @@ class _Proof:
         """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball
         that holds it.
         """
-        low = self.arb(run.start)
-        high = self.arb(run.end)
-        theta = (low + high).mid() / 2
-        tolerance = self.arb(2) ** (-_BITS // 2)
+
+        def residual(place: Array, _: Whole) -> Array:
+            value = self._displacement(self.arb(float(place[0]))).value
+            return np.array([float((value - level).mid())])
+
+        [near] = bracketed_root(residual, np.array([run.start]), np.array([run.end]))
+        theta = self.arb(float(near))
         for _ in range(_NEWTON_STEPS):
             jet = self._displacement(theta)
-            residual = jet.value.mid() - level
-            if run.sign * residual > 0:
-                high = theta
-            else:
-                low = theta
-            moved = (theta - residual / jet.slope.mid()).mid()
-            if not (low < moved and moved < high):
-                moved = ((low + high) / 2).mid()
-            step = abs(moved - theta)
-            theta = moved
-            if step < tolerance:
-                break
+            theta = (theta - (jet.value.mid() - level) / jet.slope.mid()).mid()
         # Widened until the two sides are proved to differ; the ends of the run are known to.
-        half = tolerance
+        half = self.arb(2) ** (-_BITS // 2)
         while True:
             left = (theta - half).mid()
             right = (theta + half).mid()
