@@ -28,14 +28,13 @@ from cyclemap.maps.families.family import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
-from cyclemap.maps.lifts.scan import monotone_cells
+from cyclemap.maps.lifts.scan import monotone_cells, root_between
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 from cyclemap.progress import Progress
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians
-_CLOSE = 4.0 * EPS  # relative: the least that Brent's method takes
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
@@ -215,8 +214,6 @@ class EdgeSearch:
 
     def _bracketed(self) -> tuple[float, float]:
         """Neighbouring floats, M below 0 at the lower one, and not at the upper one."""
-        from scipy.optimize import brentq  # slow to import
-
         low, high = self.within
         for end, beyond, where in (
             (low, self.value(low) >= 0.0, "below"),
@@ -227,9 +224,8 @@ class EdgeSearch:
                     f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, "
                     f"outside the parameters ({low:.9g}, {high:.9g}): widen them"
                 )
-        # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
-        close = 2.0 * EPS * max(abs(low), abs(high))
-        brentq(lambda p: self.value(p) or 1e-300, low, high, xtol=close, rtol=_CLOSE)
+        # The last two guesses lie on the two sides of the edge: a zero counts as beyond it.
+        root_between(lambda p: self.value(p) or 1e-300, low, high)
         return (
             max(p for p in self.tried if self.value(p) < 0.0),
             min(p for p in self.tried if self.value(p) >= 0.0),

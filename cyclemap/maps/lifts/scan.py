@@ -67,6 +67,14 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
     return answer
 
 
+def root_between(function: Callable[[float], float], low: float, high: float) -> float:
+    """The same of one function in one bracket."""
+    [root] = bracketed_root(
+        lambda x, _: np.array([function(float(x[0]))]), np.array([low]), np.array([high])
+    )
+    return float(root)
+
+
 def _nearer_to_zero(bracket: Array) -> Array:
     a, b, fa, fb = bracket
     return np.asarray(np.where(np.abs(fa) < np.abs(fb), a, b))

@@ -24,7 +24,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.interval_lifts import Ball, IntervalLift, Jet, ball_library, interval_lift
-from cyclemap.maps.lifts.scan import bracketed_root
+from cyclemap.maps.lifts.scan import root_between
 
 _PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
@@ -318,12 +318,10 @@ class _Proof:
         that holds it.
         """
 
-        def residual(place: Array, _: Whole) -> Array:
-            value = self._displacement(self.arb(float(place[0]))).value
-            return np.array([float((value - level).mid())])
+        def residual(place: float) -> float:
+            return float((self._displacement(self.arb(place)).value - level).mid())
 
-        [near] = bracketed_root(residual, np.array([run.start]), np.array([run.end]))
-        theta = self.arb(float(near))
+        theta = self.arb(root_between(residual, run.start, run.end))
         for _ in range(_NEWTON_STEPS):
             jet = self._displacement(theta)
             theta = (theta - (jet.value.mid() - level) / jet.slope.mid()).mid()
