@@ -274,9 +274,9 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             # The margin of the first bracket is no fault to plant: brackets widen until these hold.
             (
-                "(np.abs(low) > low_noise + TANGENCY * touch)\n"
-                "            & (np.abs(high) > high_noise + TANGENCY * touch)",
-                "(np.abs(low) > TANGENCY * touch)\n            & (np.abs(high) > TANGENCY * touch)",
+                "(np.abs(low) > low_noise + TANGENCY * touches)\n"
+                "            & (np.abs(high) > high_noise + TANGENCY * touches)",
+                "(np.abs(low) > TANGENCY * touches)\n            & (np.abs(high) > TANGENCY * touches)",
             ),
             (
                 "broken = np.any(table < 0, axis=0)",
@@ -288,14 +288,27 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "maps/orbits/rotation_number.py": (
-        ORBITS,
+    "maps/orbits/orbit_means.py": (
+        f"{ORBITS} tests/maps/families/test_long_orbits.py tests/maps/lifts/test_slope_errors.py",
         [
             (
                 "return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))",
                 "return Estimate(mean, 0.0 * apart)",
             ),
             ("weight = np.exp(-1.0 / (t * (1.0 - t)))", "weight = np.exp(-1.0 / t)"),
+            (
+                "return Estimate(float(np.mean(values)), DEVIATIONS * spread + inexact)",
+                "return Estimate(float(np.mean(values)), inexact)",
+            ),
+            (
+                "Estimate(mean, mean.error_bound + blurred.upper)",
+                "Estimate(mean, mean.error_bound)",
+            ),
+        ],
+    ),
+    "maps/orbits/rotation_number.py": (
+        ORBITS,
+        [
             (
                 "wanted = side * ((theta - start) + TWO_PI * (turns - ratio.numerator))",
                 "wanted = side * (theta - start)",
@@ -314,7 +327,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "float(n * np.pi / np.sqrt(bend * least))",
                 "float(np.pi / np.sqrt(bend * least))",
             ),
-            ("unknown = 0.5 * float(np.max(rounding)) / abs(gap)", "unknown = 0.0"),
+            ("unknown = 0.5 * float(np.max(rounding)) / abs(passage.gap)", "unknown = 0.0"),
             (
                 "true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))",
                 "true = float(np.dot(stretch, 1.0 / g[:-2]))",
@@ -346,16 +359,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/maps/families/test_long_orbits.py tests/maps/lifts/test_slope_errors.py",
         [
             (
-                "0.0, _DEVIATIONS * spread / np.sqrt(_PARTS))",
+                "0.0, DEVIATIONS * spread / np.sqrt(_PARTS))",
                 "0.0, spread / _PARTS)",
-            ),
-            (
-                "return Estimate(float(np.mean(values)), _DEVIATIONS * spread + inexact)",
-                "return Estimate(float(np.mean(values)), inexact)",
-            ),
-            (
-                "Estimate(mean, mean.error_bound + blurred.upper)",
-                "Estimate(mean, mean.error_bound)",
             ),
         ],
     ),
