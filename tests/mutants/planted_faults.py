@@ -224,6 +224,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("bound = abs(value - rough) + rounding", "bound = rounding"),
             ("growth = 1.0 + self._growth", "growth = 1.0"),
+            (
+                "return self._own_error + float(np.max(self._map_errors))",
+                "return self._own_error",
+            ),
             ("correction = defect + once + fine.cycle(resolved)", "correction = defect + once"),
             (
                 "spread = 0.5 * correlated + basis.noise.variance",
@@ -238,10 +242,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "maps/operator/transfer_operator.py": (
         OPERATOR,
         [
-            (
-                "return self.law.density_error + float(np.max(self.law.density_map_error))",
-                "return self.law.density_error",
-            ),
             (
                 "self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI",
                 "self.map.turn(theta), direct=1.0 / TWO_PI",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -28,11 +28,7 @@ from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
-from cyclemap.maps.passages.killed_chain import (
-    Arc,
-    begun,
-    killed_chain,
-)
+from cyclemap.maps.passages.killed_chain import Arc, Passage, killed_chain
 from cyclemap.one_thread import one_thread
 
 Rate = TypeVar("Rate", float, Array)
@@ -165,12 +161,12 @@ class Response:
         Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of
         ``mean_passage_time``.
         """
-        inside, ends, exits = begun(start, arc, lifted)
-        make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), exits, lifted)
+        passage = Passage.out_of(self.operator.map, self.basis.noise, arc, lifted)
+        inside = passage.begun(start)
         rates = []
         for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):
-            chain = make(stretch=stretch)
-            time = chain.expected(1.0, np.zeros(len(exits)))
+            chain = killed_chain(passage, stretch=stretch)
+            time = chain.expected(1.0, np.zeros(len(passage.exits)))
             theta = np.append(chain.theta, inside)
             images = self.operator.map(theta)
             growth = time.growth(images, chain)

@@ -73,13 +73,12 @@ class Noise(Protocol):
         """Independent draws on the real line, radians."""
 
 
-def required_noise(noise: Noise | None) -> Noise:
-    """The noise, or InvalidInput where there is none."""
+def require_noise(noise: object) -> None:
+    """Raise InvalidInput where there is none."""
     if not isinstance(noise, Noise):
         raise InvalidInput(
             f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
         )
-    return noise
 
 
 def checked_width(name: str, value: float) -> float:

@@ -209,6 +209,11 @@ class FourierDiscretisation:
         """(m,): the derivative at the angles of the density with coefficients ``law``."""
         return self.dual(theta, self._turned_back(self._scale * law))
 
+    def mass_before(self, theta: Array, law: Array) -> Array:
+        """(m,): ∫ (p - 1/2π) up to each angle, but for a constant, p with coefficients ``law``."""
+        turned = self._turned_back(self._scale * law / np.maximum(self.order, 1.0) ** 2)
+        return -self.dual(theta, turned)
+
     def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
         row = np.zeros(self.size, dtype=np.complex128)

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Self
 
 import numpy as np
@@ -19,7 +18,6 @@ from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.lifts.circle_map import require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
-from cyclemap.maps.quadrature import arc_rule
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 _POINTS = 8  # grid points a basis function
@@ -141,9 +139,14 @@ class FourierLaw(StationaryLaw):
         growth = 1.0 + self._growth
         return fine, correction, left, growth * left / np.pi
 
-    @cached_property
+    @property
     def density_error(self) -> float:
-        """Bound on sup|p - p̃|, per radian: on a grid so fine that Bernstein's inequality leaves 2
+        """Bound on sup|p - p̃|, per radian, the map's ``max_error`` included."""
+        return self._own_error + float(np.max(self._map_errors))
+
+    @cached_property
+    def _own_error(self) -> float:
+        """Bound on sup|p - p̃| for this map: on a grid so fine that Bernstein's inequality leaves 2
         %.
         """
         basis, correction, _, remainder = self.error
@@ -164,10 +167,10 @@ class FourierLaw(StationaryLaw):
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
         error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
-        error += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
+        error += float(np.hypot(self._map_error(row.real), self._map_error(row.imag)))
         return error + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
-    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
+    def _map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
         ``max_error``.
 
@@ -184,7 +187,7 @@ class FourierLaw(StationaryLaw):
         return epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))
 
     @cached_property
-    def density_map_error(self) -> Array:
+    def _map_errors(self) -> Array:
         """First-order bounds on the change of the density, per radian, when F is off by up to
         ``max_error``.
 
@@ -228,29 +231,24 @@ class FourierLaw(StationaryLaw):
         bound += abs(float(np.dot(weight * values, fine.density(theta, correction))))
         moments = basis.integrals(theta, weight * values)
         bound += self._dual_bound(moments)
-        return Estimate(value, bound + self.map_error(moments, direct))
+        return Estimate(value, bound + self._map_error(moments, direct))
 
     def distance_from_uniform(self) -> Estimate:
         """½∫|p - 1/2π|, cut where the density crosses the uniform one; 0 where it cannot be told
         from it.
         """
         grid, values = self.grid
-        known = np.pi * (self.density_error + float(np.mean(self.density_map_error))) + INTEGRAL
-        farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
-        if farthest <= 4.0 * (self.density_error + np.max(self.density_map_error)):
-            return Estimate(0.0, min(1.0, known + np.pi * farthest))
+        known = np.pi * (self._own_error + float(np.mean(self._map_errors))) + INTEGRAL
         excess = values - 0.5 / np.pi
+        farthest = float(np.max(np.abs(excess)))
+        if farthest <= 4.0 * self.density_error:
+            return Estimate(0.0, min(1.0, known + np.pi * farthest))
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
         crossings = np.sort(
             bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1])
         )
-        ends = np.append(crossings, crossings[0] + TWO_PI).tolist()
-        basis = self.basis
-        total = 0.0
-        for start, end in pairwise(ends):
-            if end > start:
-                theta, weight = arc_rule(basis.map, start, end, basis.modes, every_sample=False)
-                total += abs(float(weight @ (self.density(theta) - 0.5 / np.pi)))
+        below = self.basis.mass_before(crossings, self.coefficients)
+        total = float(np.sum(np.abs(np.diff(below, append=below[:1]))))
         return Estimate(0.5 * total, min(1.0, known))
 
     def diffusion(self) -> Estimate:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cyclemap.arrays import Array, Mask, Whole
-from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import MATRIX, Estimate
 from cyclemap.maps.operator.fourier_basis import Complex, Discretisation
 
@@ -185,56 +184,44 @@ def _falling(values: Complex) -> Whole:
 
 def _leading(matrix: Array, count: int) -> tuple[Complex, Complex]:
     """The leading eigenvalues and right vectors, in falling order: of a large matrix by Arnoldi's
-    iteration.
+    iteration (1951), residuals checked.
+
+    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
+    restarted: noise makes eigenvalues fall so fast that some hundred vectors do. It grows from two
+    v, for from one an eigenvalue is found once only.
     """
-    if matrix.shape[0] <= max(_DENSE, 2 * count + 10):
-        values, vectors = np.linalg.eig(matrix)
-    else:
-        values, vectors = _arnoldi(matrix, count)
+    size = matrix.shape[0]
+    begin = np.random.default_rng(1).standard_normal((size, _COPIES))
+    space = np.linalg.qr(begin)[0].T
+    ahead = space @ matrix.T
+    wanted = max(4 * count, _SPACE)
+    while size > _DENSE and 2 * wanted < size:
+        space, ahead = _grown(matrix, space, ahead, wanted)
+        values, inside = np.linalg.eig(space @ ahead.T)
+        inside = inside[:, _falling(values)[:count]]
+        values = values[_falling(values)[:count]]
+        vectors = space.T @ inside
+        if np.max(np.linalg.norm(ahead.T @ inside - vectors * values, axis=0)) <= _CONVERGED:
+            return values.astype(np.complex128), vectors.astype(np.complex128)
+        wanted *= 2
+    values, vectors = np.linalg.eig(matrix)
     order = _falling(values)[:count]
     return values[order].astype(np.complex128), vectors[:, order].astype(np.complex128)
 
 
-def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
-    """The leading eigenvalues and vectors by Arnoldi's iteration (1951), residuals checked.
-
-    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
-    restarted: noise makes eigenvalues fall so fast that some hundred vectors do, and those of a
-    whole basis end it at the latest. It grows from two v, for from one an eigenvalue is found once
-    only.
-    """
-    size = matrix.shape[0]
-    space = np.zeros((size + _COPIES, size))
-    shape = np.zeros((size + _COPIES, size))
-    begin = np.random.default_rng(1).standard_normal((size, _COPIES))
-    space[:_COPIES] = np.linalg.qr(begin)[0].T
-    reached = 0
-    goal = max(4 * count, _SPACE)
-    left = np.inf
-    while left > _CONVERGED and reached < size:
-        for step in range(reached, min(goal, size)):
-            ahead = matrix @ space[step]
-            known = space[: min(step + _COPIES, size)]
-            for _ in range(2):  # once leaves parts along the others, where much cancels
-                along = known @ ahead
-                ahead -= along @ known
-                shape[: along.size, step] += along
-            if along.size < size:
-                length = float(np.linalg.norm(ahead))
-                shape[along.size, step] = length
-                space[along.size] = ahead / max(length, np.finfo(float).tiny)
-        reached = min(goal, size)
-        goal = 2 * goal
-        ritz, inside = np.linalg.eig(shape[:reached, :reached])
-        leading = _falling(ritz)[:count]
-        outside = shape[reached : reached + _COPIES, :reached] @ inside[:, leading]
-        left = float(np.max(np.linalg.norm(outside, axis=0)))
-    values = ritz[leading]
-    vectors = space[:reached].T @ inside[:, leading]
-    residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
-    if residual > 1e-8:
-        raise ConvergenceError(f"eigenvalues left a residual of {residual:.2g}: raise the noise")
-    return values, vectors
+def _grown(matrix: Array, space: Array, ahead: Array, wanted: int) -> tuple[Array, Array]:
+    """An orthonormal space, as rows, with more vectors of L, L², ..., and L times each."""
+    vectors = np.concatenate([space, np.empty((wanted - len(space), len(matrix)))])
+    carried = np.concatenate([ahead, np.empty_like(vectors[len(space) :])])
+    for known in range(len(space), wanted, _COPIES):
+        new = slice(known, known + _COPIES)
+        latest = carried[known - _COPIES : known]
+        for _ in range(2):  # once leaves parts along the others, where much cancels
+            latest = latest - latest @ vectors[:known].T @ vectors[:known]
+            latest = np.linalg.qr(latest.T)[0].T
+        vectors[new] = latest
+        carried[new] = latest @ matrix.T
+    return vectors, carried
 
 
 def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> Complex:

@@ -19,7 +19,7 @@ from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.cell_law import CellLaw, cell_law
+from cyclemap.maps.operator.cells import CellLaw, cell_law
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
 from cyclemap.maps.operator.metastability import MetastableSet, leaving_errors, slow_chain
 from cyclemap.maps.operator.poisson_equation import FourierLaw
@@ -183,14 +183,14 @@ class TransferOperator:
         angles = finite_array("theta", theta)
         return self.law.density(angles.ravel()).reshape(angles.shape)
 
-    @cached_property
+    @property
     @one_thread
     def error_bound(self) -> float:
         """Bound on the error of the stationary density, per radian, anywhere on the circle.
 
         inf without noise: the density may jump then, and only its integrals have bounds.
         """
-        return self.law.density_error + float(np.max(self.law.density_map_error))
+        return self.law.density_error
 
     @cached_property
     def is_certain(self) -> bool:

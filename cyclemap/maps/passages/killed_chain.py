@@ -11,36 +11,31 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from cyclemap.arrays import TWO_PI, Array, Whole
-from cyclemap.checks import finite_array, finite_number
+from cyclemap.checks import finite_number, point
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import ANGLE, EPS
+from cyclemap.maps.estimate import ANGLE, EPS, SAME_ANGLE
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
-from cyclemap.maps.noise.noise import Noise, required_noise
+from cyclemap.maps.noise.noise import Noise, require_noise
 from cyclemap.maps.quadrature import arc_rule
 
 Arc = tuple[float, float]
 
 
-def arc_ends(arc: Arc, name: str, whole: bool = False) -> tuple[float, float]:
+def arc_ends(arc: Arc, name: str, whole: bool = False) -> Arc:
     """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0,
     2π].
     """
-    ends = finite_array(name, arc)
-    if ends.shape != (2,):
-        raise InvalidInput(f"{name} is {arc!r}: give a pair (start, end) in radians")
-    start = float(ends[0])
-    end = float(ends[1])
-    if -TWO_PI < end - start < 0.0:
-        end += TWO_PI
-    length = end - start
-    if not (0.0 < length < TWO_PI or (whole and length <= TWO_PI * (1 + 1e-15) and length > 0.0)):
+    start, end = point(name, arc)
+    after = end + TWO_PI if -TWO_PI < end - start < 0.0 else end
+    longest = TWO_PI * (1.0 + 2e-15) if whole else TWO_PI
+    if not 0.0 < after - start < longest:
         raise InvalidInput(
-            f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians"
+            f"{name} is ({start:g}, {end:g}): its length must lie between 0 and 2π radians"
         )
-    return start, end
+    return start, after
 
 
-def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
+def into_arc(theta: float, arc: Arc) -> float | None:
     """The representative of ``theta`` (mod 2π) inside the closed arc, or None."""
     inside = arc[0] + float(np.mod(theta - arc[0], TWO_PI))
     if inside - TWO_PI > arc[0] - ANGLE:
@@ -48,34 +43,53 @@ def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
     return min(inside, arc[1]) if inside <= arc[1] + ANGLE else None
 
 
-def outside_of(ends: Arc, lifted: bool) -> tuple[Arc, ...]:
-    """The exits of one arc: all that lies below it and above it on the real line, or the rest of
-    the circle.
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """A path θ' = F(θ) + ξ as long as it stays in ``arcs``; it ends in one of ``exits``, and both
+    together fill the space.
+
+    lifted : the space is the real line, where an exit reaches to ±inf; else the circle.
     """
-    return ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
 
+    map: CircleMap
+    noise: Noise
+    arcs: tuple[Arc, ...]
+    exits: tuple[Arc, ...]
+    lifted: bool
 
-def begun(start: float, arc: Arc, lifted: bool) -> tuple[float, Arc, tuple[Arc, ...]]:
-    """``start``, moved by whole turns into the arc, the arc's ends and its exits; InvalidInput
-    where it is no arc, or the start lies outside.
-    """
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = into_arc(finite_number("start", start), ends)
-    if inside is None:
-        raise InvalidInput(
-            f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it"
-        )
-    return inside, ends, outside_of(ends, lifted)
+    def __post_init__(self) -> None:
+        require_map(self.map)
+        require_noise(self.noise)
 
+    @classmethod
+    def out_of(cls, circle_map: CircleMap, noise: Noise, arc: Arc, lifted: bool) -> Passage:
+        """The passage out of one arc: into the rest of the circle, or below or above it on the
+        line.
+        """
+        start, end = arc_ends(arc, "arc", whole=lifted)
+        exits = ((-np.inf, start), (end, np.inf)) if lifted else ((end, start + TWO_PI),)
+        return cls(circle_map, noise, ((start, end),), exits, lifted)
 
-def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
-    """The arcs between two disjoint arcs (those of positive length), or InvalidInput."""
-    begin = a[1] + float(np.mod(b[0] - a[1], TWO_PI))
-    finish = begin + (b[1] - b[0])
-    if begin > a[0] + TWO_PI or finish > a[0] + TWO_PI + 1e-14:
-        raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
-    rest = [(a[1], begin), (finish, a[0] + TWO_PI)]
-    return tuple(ends for ends in rest if ends[1] - ends[0] > 1e-14)
+    @classmethod
+    def between(cls, circle_map: CircleMap, noise: Noise, a: Arc, b: Arc) -> Passage:
+        """The passage on the circle into one of two disjoint arcs, in this order the exits."""
+        begin = a[1] + float(np.mod(b[0] - a[1], TWO_PI))
+        finish = begin + (b[1] - b[0])
+        if begin > a[0] + TWO_PI or finish > a[0] + TWO_PI + SAME_ANGLE:
+            raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
+        rest = (a[1], begin), (finish, a[0] + TWO_PI)
+        arcs = tuple(ends for ends in rest if ends[1] - ends[0] > SAME_ANGLE)
+        return cls(circle_map, noise, arcs, (a, b), False)
+
+    def begun(self, start: float) -> float:
+        """``start``, moved by whole turns into the arc; InvalidInput where it lies outside."""
+        low, high = self.arcs[0]
+        inside = into_arc(finite_number("start", start), self.arcs[0])
+        if inside is None:
+            raise InvalidInput(
+                f"start is {start:g}, outside the arc ({low:g}, {high:g}): start inside it"
+            )
+        return inside
 
 
 _BLOCK = 48  # unknowns eliminated together
@@ -193,28 +207,21 @@ _MIN_BANDWIDTH = 4
 
 
 def killed_chain(
-    circle_map: CircleMap,
-    noise: Noise | None,
-    arcs: tuple[Arc, ...],
-    exits: tuple[Arc, ...],
-    lifted: bool,
+    passage: Passage,
     *,
     every_sample: bool = True,
     stretch: float = 1.0,
     most: int = MAX_UNKNOWNS,
 ) -> KilledChain:
-    """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they
-    fill the space.
+    """The chain of a passage on nodes of its arcs.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle.
     every_sample : panels of nodes end at every sample of a sampled map.
     stretch : factor on the nodes' bandwidth.
 
     Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
     jumps.
     """
-    require_map(circle_map)
-    noise = required_noise(noise)
+    noise = passage.noise
     if noise.jump > 0.0:
         raise InvalidInput(
             f"{noise!r} has a density that jumps, which this method cannot resolve: take a "
@@ -223,82 +230,82 @@ def killed_chain(
     bandwidth = float(_MIN_BANDWIDTH)
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05
-    bandwidth *= stretch
-    theta, weight = _nodes(circle_map, arcs, bandwidth, 1, every_sample)
-    if theta.size > most:
+    chain = KilledChain(passage, every_sample, stretch * bandwidth)
+    if chain.theta.size > most:
         raise InvalidInput(
-            f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width"
+            f"{noise!r} needs {chain.theta.size} nodes on the arc, more than {most}: raise its "
+            "width"
         )
-    return KilledChain(
-        circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight
-    )
-
-
-def _nodes(
-    circle_map: CircleMap, arcs: tuple[Arc, ...], bandwidth: float, finer: int, every_sample: bool
-) -> tuple[Array, Array]:
-    rules = [arc_rule(circle_map, *ends, bandwidth, finer, every_sample) for ends in arcs]
-    theta, weight = np.concatenate(rules, axis=1)
-    return theta, weight
+    return chain
 
 
 @dataclass(frozen=True, eq=False)
 class KilledChain:
-    """θ' = F(θ) + ξ on ``theta`` (n nodes of its arcs), until it enters an exit.
+    """A passage on ``theta`` (n nodes of its arcs), until it enters an exit.
 
     Below ``images`` are values F(x), shape (m,): the same questions are asked at nodes and between
     them.
     """
 
-    map: CircleMap
-    noise: Noise
-    arcs: tuple[Arc, ...]
-    exits: tuple[Arc, ...]
-    lifted: bool
+    passage: Passage
     every_sample: bool
     bandwidth: float
-    theta: Array
-    weight: Array
+    finer: int = 1
+
+    @cached_property
+    def rule(self) -> tuple[Array, Array]:
+        """The nodes and their weights, ``finer`` times as many as the bandwidth asks for."""
+        rules = [
+            arc_rule(self.passage.map, *ends, self.bandwidth, self.finer, self.every_sample)
+            for ends in self.passage.arcs
+        ]
+        theta, weight = np.concatenate(rules, axis=1)
+        return theta, weight
+
+    @property
+    def theta(self) -> Array:
+        """(n,): the nodes."""
+        return self.rule[0]
+
+    @property
+    def weight(self) -> Array:
+        """(n,): their weights."""
+        return self.rule[1]
 
     @cached_property
     def images(self) -> Array:
         """(n,): F at the nodes."""
-        return self.map(self.theta)
+        return self.passage.map(self.theta)
 
     @cached_property
     def elimination(self) -> Elimination:
         """The chain on its own nodes, eliminated."""
         return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
 
-    def distance(self, gap: Array) -> Array:
-        """How far a noise must carry the path over a gap, at least: the shorter way where it is on
-        the circle.
-        """
-        return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
-
-    def finer(self) -> KilledChain:
-        """The same chain on twice as many nodes."""
-        theta, weight = _nodes(self.map, self.arcs, self.bandwidth, 2, self.every_sample)
-        return replace(self, theta=theta, weight=weight)
-
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
-        return self.noise.density(gap, self.lifted) * self.weight
+        return self.passage.noise.density(gap, self.passage.lifted) * self.weight
+
+    def pushes(self, images: Array, values: Array) -> Array:
+        """(m,): d/dF of Σ_j g(θ_j - F(x)) w_j values_j; or columns of several."""
+        gap = self.theta - images[:, None]
+        slopes = self.passage.noise.slope(gap, self.passage.lifted)
+        return np.asarray(-slopes * self.weight @ values)
 
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
-        low, high = np.array(self.exits).T[:, :, None]
-        if not self.lifted:
-            return self.noise.arc_probability(low - images, high - images)
+        low, high = np.array(self.passage.exits).T[:, :, None]
+        if not self.passage.lifted:
+            return self.passage.noise.arc_probability(low - images, high - images)
         # An exit is (-inf, end) or (end, inf): how far the noise must carry the image to enter it.
-        return self.noise.exceedance(np.where(np.isinf(high), low - images, images - high))
+        return self.passage.noise.exceedance(np.where(np.isinf(high), low - images, images - high))
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
-        low, high = np.array(self.exits).T[:, :, None]
-        at_low = self.noise.density(low - images, self.lifted)
-        return at_low - self.noise.density(high - images, self.lifted)
+        ends = np.array(self.passage.exits).T[:, :, None]
+        at_low, at_high = self.passage.noise.density(ends - images, self.passage.lifted)
+        return np.asarray(at_low - at_high)
 
     def expected(self, each: float, at: Array) -> Expectation:
         """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on
@@ -336,16 +343,15 @@ class Expectation:
 
     def value_at(self, theta: float) -> float:
         """X(θ)."""
-        return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
+        return float(self.values_at(self.chain.passage.map(np.array([theta])))[0][0])
 
     def growth(self, images: Array, chain: KilledChain) -> Array:
         """How fast c + ∫ g(y - F) X dy grows with F alone, at ``images``; the integral on the nodes
         of ``chain``.
         """
         around = self.values_at(chain.images)[1]
-        gap = chain.theta - images[:, None]
-        pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
-        return (self.at - self.top) @ chain.departure_slopes(images) - pushed
+        leaving = (self.at - self.top) @ chain.departure_slopes(images)
+        return np.asarray(leaving + chain.pushes(images, around))
 
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's
@@ -355,8 +361,8 @@ class Expectation:
         finer rule, then Φ bounds the error everywhere. Φ is solved for on the chain's own nodes.
         """
         chain = self.chain
-        fine = self.chain.finer()
-        images = np.append(chain.images, chain.map(theta))
+        fine = replace(chain, finer=2)
+        images = np.append(chain.images, chain.passage.map(theta))
         on_fine = self.values_at(fine.images)
         # X - c - ∫ g X dy at the images, and the sum of its terms' sizes: of the two forms the
         # better. A constant part of X, however large, drops out of the second one exactly.
@@ -378,10 +384,11 @@ class Expectation:
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
         own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
-        sources = np.stack([own, slope * chain.map.max_error], axis=1)
+        max_error = chain.passage.map.max_error
+        sources = np.stack([own, slope * max_error], axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
             bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(
                 sources[:-1]
             )
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
-        return float(own_bound), float(from_map) if chain.map.max_error else 0.0
+        return float(own_bound), float(from_map) if max_error else 0.0

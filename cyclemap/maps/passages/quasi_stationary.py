@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +16,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.passages.killed_chain import Arc, KilledChain, arc_ends, killed_chain, outside_of
+from cyclemap.maps.passages.killed_chain import Arc, KilledChain, Passage, killed_chain
 from cyclemap.one_thread import one_thread
 
 _OTHER = 1.4  # bandwidth of the second solution over that of the first
@@ -61,11 +60,11 @@ class QuasiStationary:
         from its nodes.
         """
         angles = finite_array("theta", theta)
-        chain = self._chain
-        gaps = angles.ravel() - chain.images[:, None]
-        density = self._mass @ chain.noise.density(gaps, chain.lifted) / (1.0 - self.escape_rate)
-        inside = (angles >= chain.arcs[0][0]) & (angles <= chain.arcs[0][1])
-        return np.where(inside, density.reshape(angles.shape), 0.0)
+        passage = self._chain.passage
+        gaps = angles.ravel() - self._chain.images[:, None]
+        density = self._mass @ passage.noise.density(gaps, lifted=True) / (1.0 - self.escape_rate)
+        low, high = passage.arcs[0]
+        return np.where((angles >= low) & (angles <= high), density.reshape(angles.shape), 0.0)
 
 
 @one_thread
@@ -116,10 +115,9 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     >>> round(1.0 / slips.escape_rate, 3), slips.above > 0.999
     (3575.286, True)
     """
-    ends = arc_ends(arc, "arc", whole=True)
-    make = partial(killed_chain, circle_map, noise, (ends,), outside_of(ends, True), True)
-    chain = make(every_sample=False, stretch=_OTHER)
-    other = make(every_sample=True, stretch=1.0)
+    passage = Passage.out_of(circle_map, noise, arc, lifted=True)
+    chain = killed_chain(passage, every_sample=False, stretch=_OTHER)
+    other = killed_chain(passage)
     mass, rates = _lasting(chain, chain.images)
     total = float(rates.sum())
     others = _lasting(other, other.images)[1]
@@ -141,7 +139,7 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float, float]:
     """How much the escape rate and the shares of the exits may change by the map's
     ``max_error``."""
-    epsilon = chain.map.max_error
+    epsilon = chain.passage.map.max_error
     total = rates.sum()
     slopes = _slopes(chain, mass, rates)
     shares = rates / total
@@ -208,7 +206,6 @@ def _slopes(chain: KilledChain, mass: Array, rates: Array) -> Array:
     later = np.linalg.solve(bordered, np.append(gone, np.zeros((rates.size, 1)), axis=1).T)[:size]
     # But for its value at the most visited node, which moves with the chance of staying.
     level = later[np.argmax(mass)]
-    gap = chain.theta - chain.images[:, None]
-    pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ (later - level)
     leaving = chain.departure_slopes(chain.images)
-    return np.asarray(leaving - pushed.T - np.multiply.outer(level, leaving.sum(axis=0)))
+    pushed = chain.pushes(chain.images, later - level).T
+    return np.asarray(leaving + pushed - np.multiply.outer(level, leaving.sum(axis=0)))

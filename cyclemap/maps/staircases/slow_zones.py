@@ -18,7 +18,7 @@ from cyclemap.maps.lifts.map_algebra import shifted
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
-from cyclemap.maps.passages.killed_chain import killed_chain, outside_of
+from cyclemap.maps.passages.killed_chain import Passage, killed_chain
 from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
@@ -293,19 +293,11 @@ def _visit_moments(
     """Visits begun per cycle, E length, E length²; None where it takes too many nodes, or the noise
     has a density that jumps.
     """
-    arcs = tuple(pairwise((zone.arc[0], *zone.core, zone.arc[1])))
-    exits = outside_of(zone.arc, lifted=True)
+    out_of = Passage.out_of(circle_map, noise, zone.arc, lifted=True)
+    # Panels of nodes end at the core.
+    passage = replace(out_of, arcs=tuple(pairwise((zone.arc[0], *zone.core, zone.arc[1]))))
     try:
-        chain = killed_chain(
-            circle_map,
-            noise,
-            arcs,
-            exits,
-            lifted=True,
-            every_sample=False,
-            stretch=stretch,
-            most=_MAX_NODES,
-        )
+        chain = killed_chain(passage, every_sample=False, stretch=stretch, most=_MAX_NODES)
     except InvalidInput:
         return None
     theta = chain.theta

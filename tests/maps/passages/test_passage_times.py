@@ -16,7 +16,7 @@ from cyclemap.maps import (
     mean_passage_time,
     survival_probabilities,
 )
-from cyclemap.maps.passages.killed_chain import eliminated, killed_chain
+from cyclemap.maps.passages.killed_chain import Passage, eliminated, killed_chain
 from tests.maps.known_maps import DROPPING, reset, simulated, within
 
 TWO_PI = 2 * np.pi
@@ -79,15 +79,8 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
-            chain = killed_chain(
-                STICKY,
-                law,
-                (arc,),
-                ((arc[1], arc[0] + TWO_PI),),
-                False,
-                every_sample=False,
-                stretch=stretch,
-            )
+            passage = Passage.out_of(STICKY, law, arc, lifted=False)
+            chain = killed_chain(passage, every_sample=False, stretch=stretch)
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
             assert error <= bound + exact.error_bound

@@ -4,7 +4,7 @@ expand.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,14 +12,141 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import INTEGRAL, LIFT, Estimate
+from cyclemap.maps.estimate import EPS, INTEGRAL, LIFT, Estimate
 from cyclemap.maps.lifts.branches import branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
+from cyclemap.maps.noise.bounded_noise import wrapped_window
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
-from cyclemap.maps.passages.cell_passage import Cells, cells_between
+from cyclemap.maps.quadrature import gauss_rule
+
+_POINT = 1e-7  # radians: images shorter than this are points
+_APART = 1e-9  # radians: a break nearer to an edge of a cell is that edge
+_CHORD = 1.25  # times the distance from its chord that three points of a cell show of F
+_NONE = 1e-11  # chances that may be rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Cells of angles, the images on which F runs straight from end to end, and ξ uniform on
+    [-h, h], or 0.
+
+    Parameters
+    ----------
+    halfwidth : h, radians. start, end : (n,), radians, of the cells.
+    images : (2, n), radians, lifted: F at the start and the end of every cell, from inside.
+    bend : radians, how far F, with its ``max_error``, may lie from straight.
+    """
+
+    halfwidth: float
+    start: Array
+    end: Array
+    images: Array
+    bend: float
+
+    @property
+    def width(self) -> Array:
+        """(n,): the cells' lengths."""
+        return self.end - self.start
+
+    @cached_property
+    def low(self) -> Array:
+        """(n,): the lower ends of the images."""
+        return np.asarray(self.images.min(axis=0))
+
+    @cached_property
+    def high(self) -> Array:
+        """(n,): the upper ends."""
+        return np.asarray(self.images.max(axis=0))
+
+    @property
+    def rounding(self) -> float:
+        """What the chances of one cell, added up, may be off by rounding."""
+        shortest = max(float(np.min(self.high - self.low)), _POINT)
+        return 64.0 * EPS * (TWO_PI + self.halfwidth) / shortest + _NONE * self.start.size
+
+    def moved(self, shift: float) -> Cells:
+        """The same for F + ``shift``."""
+        return replace(self, images=self.images + shift)
+
+    def between(self, start: Array, end: Array, lifted: bool = False) -> Array:
+        """(n, m): the chance of being in each arc from start to end a cycle later, mod 2π, or
+        ``lifted`` on the real line, where an arc may be infinite.
+        """
+        if lifted:
+            reach = self.low.min() - self.halfwidth, self.high.max() + self.halfwidth
+            ends = np.clip(np.stack([start, end]), *reach)
+            before, after = _chance_below(self.low, self.high, self.halfwidth, ends)
+            chances = after - before
+        else:
+            chances = self._between_turned(start, end)
+        return np.where(chances > _NONE, chances, 0.0)
+
+    def _between_turned(self, start: Array, end: Array) -> Array:
+        share, window, centre = wrapped_window(self.halfwidth)
+        shift = TWO_PI * np.floor(self.low / TWO_PI) - centre
+        low = self.low - shift
+        high = self.high - shift
+        begin = np.mod(start, TWO_PI)
+        laps, rest = np.divmod(end - start, TWO_PI)
+        most = int(np.ceil((np.max(high) + window) / TWO_PI))
+        total = laps + share * rest / TWO_PI
+        for turn in TWO_PI * np.arange(-2, most + 1):
+            ends = np.stack([begin, begin + rest]) + turn
+            before, after = _chance_below(low, high, window, ends)
+            total = total + (1.0 - share) * (after - before)
+        return total
+
+
+def cells_of(
+    circle_map: CircleMap, halfwidth: float, arcs: Sequence[tuple[float, float]], count: int
+) -> Cells:
+    """``count`` even cells of some arcs, eight at least of each, cut at F's breaks."""
+    whole = sum(high - low for low, high in arcs)
+    edges = [
+        _edges(circle_map.breaks, low, high, max(8, round(count * (high - low) / whole)))
+        for low, high in arcs
+    ]
+    start = np.concatenate([ends[:-1] for ends in edges])
+    end = np.concatenate([ends[1:] for ends in edges])
+    images = np.stack([circle_map.right(start), circle_map.left(end)])
+    share = np.array([[0.25], [0.5], [0.75]])
+    chord = images[0] + share * (images[1] - images[0])
+    off = float(np.max(np.abs(circle_map(start + share * (end - start)) - chord)))
+    return Cells(halfwidth, start, end, images, _CHORD * off + _POINT + circle_map.max_error)
+
+
+def _edges(breaks: Array, start: float, end: float, count: int) -> Array:
+    """The ends of ``count`` even cells, and the breaks between."""
+    even = np.linspace(start, end, count + 1)
+    turns = TWO_PI * np.arange(np.floor(start / TWO_PI), np.ceil(end / TWO_PI) + 1.0)
+    marks = np.add.outer(turns, breaks).ravel()
+    after = np.searchsorted(even, marks).clip(1, count)
+    apart = np.minimum(np.abs(even[after] - marks), np.abs(even[after - 1] - marks)) > _APART
+    return np.union1d(even, marks[apart & (marks > start) & (marks < end)])
+
+
+def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Array:
+    """(..., n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), ξ uniform on [-h, h],
+    and lines (..., m).
+    """
+    length = (high - low)[:, None]
+    over = lines[..., None, :] - low[:, None]
+    under = lines[..., None, :] - high[:, None]
+    middle = 0.5 * (over + under)
+    if halfwidth == 0.0:
+        rising = np.maximum(over, 0.0) - np.maximum(under, 0.0)
+        point = (middle > 0.0).astype(np.float64)
+    else:
+        inner, outer = (np.clip(side, -halfwidth, halfwidth) + halfwidth for side in (over, under))
+        rising = (inner - outer) * (inner + outer) / (4.0 * halfwidth)
+        rising += np.maximum(over - halfwidth, 0.0) - np.maximum(under - halfwidth, 0.0)
+        point = np.clip((middle + halfwidth) / (2.0 * halfwidth), 0.0, 1.0)
+    chance = np.where(length > _POINT, rising / np.maximum(length, _POINT), point)
+    return np.where(under >= halfwidth, 1.0, chance)
+
 
 NOISELESS_CELLS = 1_024
 CELLS = 512  # under noise, where errors fall with their square
@@ -43,20 +170,16 @@ class CellDiscretisation:
 
     left_out = np.inf  # no bound on what a cycle makes of functions that vary within the cells
 
-    @property
-    def halfwidth(self) -> float:
-        """Of the noise, radians; 0 for none."""
-        return 0.0 if self.noise is None else self.noise.jump
-
     @cached_property
     def cells(self) -> Cells:
         """The cells of the circle."""
-        return cells_between(self.map, self.halfwidth, 0.0, TWO_PI, self.count)
+        halfwidth = 0.0 if self.noise is None else self.noise.jump
+        return cells_of(self.map, halfwidth, [(0.0, TWO_PI)], self.count)
 
     @property
     def size(self) -> int:
         """The number of cells."""
-        return self.cells.width.size
+        return self.cells.start.size
 
     @cached_property
     def mass(self) -> Array:
@@ -71,43 +194,35 @@ class CellDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): the masses after one cycle from those before."""
-        edges = self.cells.edges
-        chances = (
-            self._shares() if self.noise is None else self.cells.between(edges[:-1], edges[1:])
-        )
+        cells = self.cells
+        chances = self._shares() if self.noise is None else cells.between(cells.start, cells.end)
         return np.ascontiguousarray((chances / chances.sum(axis=1)[:, None]).T)
 
     def _shares(self) -> Array:
         """(n, n): the length of each cell that the map alone sends to each, cut where F meets an
         edge.
         """
-        edges = self.cells.edges
-        levels, _ = preimages_on(branches(self.map), edges[:-1], self.map.degree)
-        points = np.unique(np.concatenate([edges, levels, self.map.breaks]))
+        edges = self.cells.start
+        levels, _ = preimages_on(branches(self.map), edges, self.map.degree)
+        points = np.unique(np.concatenate([edges, [TWO_PI], levels, self.map.breaks]))
         middle = 0.5 * (points[1:] + points[:-1])
-        image = np.mod(self.map(middle), TWO_PI)
-        start, end = (
-            np.searchsorted(edges[1:-1], angle, side="right") for angle in (middle, image)
+        before, after = (
+            np.searchsorted(edges, angle, side="right") - 1
+            for angle in (middle, np.mod(self.map(middle), TWO_PI))
         )
         shares = np.zeros((self.size, self.size))
-        np.add.at(shares, (start, end), np.diff(points))
+        np.add.at(shares, (before, after), np.diff(points))
         return shares
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Three Gauss nodes in each cell, and their weights."""
-        nodes, weights = np.polynomial.legendre.leggauss(3)
-        half = 0.5 * self.cells.width[:, None]
-        return (self.cells.edges[:-1, None] + half * (1.0 + nodes)).ravel(), (
-            half * weights
-        ).ravel()
+        return gauss_rule(self.cells.start, self.cells.width, 3)
 
     def moments(self, order: int) -> Complex:
         """(n,), complex: the mean of e^{i·order·θ} in every cell."""
-        width = self.cells.width
-        edges = self.cells.edges
-        turned = np.exp(0.5j * order * (edges[1:] + edges[:-1]))
-        return np.asarray(turned * np.sinc(0.5 * order * width / np.pi))
+        turned = np.exp(0.5j * order * (self.cells.start + self.cells.end))
+        return np.asarray(turned * np.sinc(0.5 * order * self.cells.width / np.pi))
 
     def cycle(self, law: Array) -> Array:
         """(n,): the masses after one cycle; or columns of several."""
@@ -160,29 +275,25 @@ class CellLaw(StationaryLaw):
     @cached_property
     def variation(self) -> float:
         """V, a bound on the variation of p."""
-        basis = self.basis
-        return 1.0 / basis.halfwidth if basis.halfwidth > 0.0 else variation_of_expanding(basis.map)
+        halfwidth = self.basis.cells.halfwidth
+        return 1.0 / halfwidth if halfwidth > 0.0 else variation_of_expanding(self.basis.map)
 
     @cached_property
     def mass_error(self) -> float:
         """A bound on the sum over the cells of the errors of their masses."""
         cells = self.basis.cells
-        halfwidth = self.basis.halfwidth
         image = cells.high - cells.low
-        if halfwidth > 0.0:
-            left = (
-                float(np.max(cells.width * image)) * self.variation / (4.0 * halfwidth)
-                + cells.bend / halfwidth
-            )
+        if self.basis.noise is not None:
+            left = 0.25 * float(np.max(cells.width * image)) * self.variation + cells.bend
+            left /= cells.halfwidth
         else:
             slowest = float(np.min(image / cells.width))
             crossed = float(np.sum(image / np.min(cells.width) + 1.0))
-            off = self.basis.map.max_error + LIFT * (TWO_PI + float(np.max(np.abs(cells.ends))))
-            left = 0.5 * float(np.max(cells.width)) * self.variation
-            left += 2.0 * (1.0 / TWO_PI + self.variation) * off * crossed / slowest
+            off = self.basis.map.max_error + LIFT * (TWO_PI + float(np.max(np.abs(cells.images))))
+            left = 2.0 * (1.0 / TWO_PI + self.variation) * off * crossed / slowest + self._within
         return min(2.0, self._growth * (left + cells.rounding))
 
-    @property
+    @cached_property
     def _within(self) -> float:
         """A bound on ∫|p - Πp|."""
         return 0.5 * float(np.max(self.basis.cells.width)) * self.variation
@@ -192,17 +303,16 @@ class CellLaw(StationaryLaw):
         cell.
         """
         cells = self.basis.cells
-        halfwidth = self.basis.halfwidth
-        if halfwidth == 0.0:
-            cell = np.searchsorted(cells.edges, np.mod(theta, TWO_PI), side="right") - 1
-            return (self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)]
         angle = np.mod(theta, TWO_PI)
+        if self.basis.noise is None:
+            cell = np.searchsorted(cells.start, angle, side="right") - 1
+            return np.asarray((self.coefficients / cells.width)[cell])
         still = replace(cells, halfwidth=0.0)
         blocks = [
-            self.coefficients @ still.between(block - halfwidth, block + halfwidth)
+            self.coefficients @ still.between(block - cells.halfwidth, block + cells.halfwidth)
             for block in np.array_split(angle, 1 + angle.size // 1_000)
         ]
-        return np.concatenate(blocks) / (2.0 * halfwidth)
+        return np.concatenate(blocks) / (2.0 * cells.halfwidth)
 
     def slope(self, theta: Array) -> Array:
         """The density's differences over a cell's length."""
@@ -216,35 +326,18 @@ class CellLaw(StationaryLaw):
 
         inf without noise: p may jump then.
         """
-        cells = self.basis.cells
-        halfwidth = self.basis.halfwidth
-        if halfwidth == 0.0:
+        if self.basis.noise is None:
             return float("inf")
+        cells = self.basis.cells
         low = cells.low - cells.bend
-        high = cells.high + cells.bend
-        most = 0.0
-        for lines in np.array_split(low, 1 + low.size // 1_000):
-            times = (
-                np.floor((high[:, None] - lines) / TWO_PI)
-                - np.ceil((low[:, None] - lines) / TWO_PI)
-                + 1.0
-            )
-            most = max(most, float(np.max(self.coefficients @ times)))
-        return (most + self.mass_error) / halfwidth
-
-    @property
-    def density_map_error(self) -> Array:
-        """Nothing: ``bend`` holds what the map may be off."""
-        return np.zeros(1)
+        high = cells.high[:, None] + cells.bend
+        times = np.floor((high - low) / TWO_PI) - np.ceil((low[:, None] - low) / TWO_PI) + 1.0
+        return (float(np.max(self.coefficients @ times)) + self.mass_error) / cells.halfwidth
 
     def moment_error(self, order: int) -> float:
         """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|."""
         varies = min(2.0, abs(order) * float(np.max(self.basis.cells.width)))
         return self.mass_error + 0.5 * varies * self._within + INTEGRAL
-
-    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
-        """What is left of ``max_error`` where h depends on F itself."""
-        return self.basis.map.max_error * float(np.max(np.abs(direct)))
 
     def expectation(
         self,
@@ -271,12 +364,10 @@ class CellLaw(StationaryLaw):
         theta, weight = self.basis.rule
         values = checked_values(function, theta).reshape(-1, 3)
         mean = np.sum(values * weight.reshape(-1, 3), axis=1) / self.basis.cells.width
-        bound = 0.5 * float(np.ptp(values)) * self.mass_error + INTEGRAL * float(
-            np.max(np.abs(values))
-        )
-        bound += 0.5 * _OUTER * float(
-            np.max(np.ptp(values, axis=1))
-        ) * self._within + self.map_error(mean, direct)
+        varies = _OUTER * float(np.max(np.ptp(values, axis=1)))
+        bound = 0.5 * (float(np.ptp(values)) * self.mass_error + varies * self._within)
+        # What is left of the map's error where h depends on F itself.
+        bound += direct * self.basis.map.max_error + INTEGRAL * float(np.max(np.abs(values)))
         return Estimate(float(self.coefficients @ mean), bound)
 
     def distance_from_uniform(self) -> Estimate:
