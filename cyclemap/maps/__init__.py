@@ -192,15 +192,17 @@ if TYPE_CHECKING:
         QuasiStationary as QuasiStationary,
         quasi_stationary as quasi_stationary,
     )
-    from cyclemap.maps.staircases.slow_zones import (
+    from cyclemap.maps.staircases.drifting_map import (
+        DriftingMap as DriftingMap,
         DriftSummary as DriftSummary,
+        predict_drift as predict_drift,
+    )
+    from cyclemap.maps.staircases.slow_zones import (
         SlowZone as SlowZone,
         StaircaseSummary as StaircaseSummary,
-        predict_drift as predict_drift,
         predict_staircase as predict_staircase,
     )
     from cyclemap.maps.staircases.staircase import (
-        DriftingMap as DriftingMap,
         LocalNoise as LocalNoise,
         Staircase as Staircase,
         sample_staircase as sample_staircase,

@@ -371,7 +371,17 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "spread = float(np.sqrt(max(square - mean**2, 0.0)))",
                 "spread = float(np.sqrt(max(square, 0.0)))",
             ),
+        ],
+    ),
+    "maps/staircases/drifting_map.py": (
+        STAIRCASES,
+        [
             ("np.sum(np.abs(np.diff(slopes)))) / 8.0", "0.0) / 8.0"),
+            (
+                "error = rest * before.max_error + share * after.max_error",
+                "error = before.max_error",
+            ),
+            ("if error <= tolerance:", "if error <= 100.0 * tolerance:"),
         ],
     ),
     "maps/staircases/staircase.py": (
@@ -383,14 +393,9 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "last = z[n] = rho * last + fresh[n]",
             ),
             (
-                "error = rest * before.max_error + share * after.max_error",
-                "error = before.max_error",
-            ),
-            (
                 "path = sample_staircases(circle_map, noise, count, [begin], seed)[0]",
                 "path = sample_staircases(circle_map, noise, count, [begin], 0)[0]",
             ),
-            ("if error <= tolerance:", "if error <= 100.0 * tolerance:"),
         ],
     ),
     "maps/staircases/step_comparison.py": (

@@ -24,9 +24,10 @@ from cyclemap.maps.families.family import (
     parameter_tangent,
 )
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
+from cyclemap.maps.operator.wave_integrals import waves
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import Arc, Passage, killed_chain
 from cyclemap.one_thread import one_thread

@@ -16,6 +16,7 @@ from cyclemap.maps.estimate import EPS, INTEGRAL, LIFT, Estimate
 from cyclemap.maps.lifts.branches import branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
+from cyclemap.maps.lifts.scan import ranks
 from cyclemap.maps.noise.bounded_noise import wrapped_window
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
@@ -284,8 +285,8 @@ class CellLaw(StationaryLaw):
         cells = self.basis.cells
         image = cells.high - cells.low
         if self.basis.noise is not None:
-            left = 0.25 * float(np.max(cells.width * image)) * self.variation + cells.bend
-            left /= cells.halfwidth
+            left = 0.25 * float(np.max(cells.width * image)) * self.variation
+            left = (left + cells.bend) / cells.halfwidth
         else:
             slowest = float(np.min(image / cells.width))
             crossed = float(np.sum(image / np.min(cells.width) + 1.0))
@@ -330,8 +331,10 @@ class CellLaw(StationaryLaw):
             return float("inf")
         cells = self.basis.cells
         low = cells.low - cells.bend
-        high = cells.high[:, None] + cells.bend
-        times = np.floor((high - low) / TWO_PI) - np.ceil((low[:, None] - low) / TWO_PI) + 1.0
+        high = cells.high + cells.bend
+        times = (
+            np.floor((high[:, None] - low) / TWO_PI) - np.ceil((low[:, None] - low) / TWO_PI) + 1.0
+        )
         return (float(np.max(self.coefficients @ times)) + self.mass_error) / cells.halfwidth
 
     def moment_error(self, order: int) -> float:
@@ -394,25 +397,23 @@ def variation_of_expanding(circle_map: CircleMap) -> float:
     best = np.inf
     for power in range(1, _ITERATES + 1):
         iterate = nth_iterate(circle_map, power)
-        starts = np.sort(iterate.breaks) if iterate.breaks.size else np.zeros(1)
-        ends = np.append(starts[1:], starts[0] + TWO_PI)
-        inverse = 0.0
-        bent = 0.0
-        for start, end in zip(starts, ends, strict=True):
-            count = max(64, int(_SAMPLES * (end - start) / TWO_PI))
-            theta = start + (end - start) * (np.arange(count) + 0.5) / count
-            with np.errstate(divide="ignore"):
-                contraction = 1.0 / iterate.derivative(theta)
-            rate = np.abs(np.diff(contraction)) * count / (end - start)
-            inverse = max(inverse, float(np.max(np.abs(contraction))))
-            bent = max(bent, float(np.max(rate)))
-            if np.any(contraction[1:] * contraction[:-1] < 0.0):
-                inverse = np.inf
-        inverse += _SAMPLED * bent * TWO_PI / _SAMPLES
-        parts = 2.0 * inverse if iterate.breaks.size else inverse
-        constant = _SAMPLED * bent
-        if iterate.breaks.size:
-            constant += 2.0 * inverse / float(np.min(ends - starts))
-        if parts < 1.0:
-            best = min(best, constant / (1.0 - parts))
+        is_broken = iterate.breaks.size > 0
+        starts = np.sort(iterate.breaks) if is_broken else np.zeros(1)
+        lengths = np.diff(starts, append=starts[0] + TWO_PI)
+        counts = np.maximum(64, (_SAMPLES / TWO_PI * lengths).astype(np.int64))
+        branch = np.repeat(np.arange(starts.size), counts)
+        step = (lengths / counts)[branch]
+        with np.errstate(divide="ignore"):
+            contraction = 1.0 / iterate.derivative(starts[branch] + step * (ranks(counts) + 0.5))
+        before = contraction[:-1]
+        after = contraction[1:]
+        inside = np.diff(branch) == 0
+        if np.any(inside & (before * after < 0.0)):
+            continue
+        bent = _SAMPLED * float(np.max((np.abs(after - before) / step[1:])[inside]))
+        inverse = float(np.max(np.abs(contraction))) + bent * TWO_PI / _SAMPLES
+        rate = 2.0 * inverse if is_broken else inverse
+        shortest = float(np.min(lengths)) if is_broken else np.inf
+        if rate < 1.0:
+            best = min(best, (bent + 2.0 * inverse / shortest) / (1.0 - rate))
     return best

@@ -17,7 +17,7 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.wave_integrals import wave_integrals
+from cyclemap.maps.operator.wave_integrals import wave_integrals, waves
 from cyclemap.maps.quadrature import arc_rule
 
 MAX_MODES = 2_000
@@ -92,22 +92,6 @@ def needed_modes(noise: Noise) -> int:
         middle = (few + enough) // 2
         few, enough = (few, middle) if noise.tail(middle) <= NEGLIGIBLE else (middle, enough)
     return enough
-
-
-def waves(theta: Array, modes: int) -> Array:
-    """1, cos mθ (m = 1..modes), sin mθ at the angles ``theta`` (shape (n,)), as rows: shape
-    (2·modes + 1, n).
-    """
-    powers = np.empty((modes + 1, theta.size), dtype=np.complex128)
-    powers[0] = 1.0
-    powers[1] = np.exp(1j * np.mod(theta, TWO_PI))
-    filled = 2
-    while filled <= modes:
-        # Orders filled .. 2·filled - 2 are the known ones times the highest known power.
-        more = min(filled - 1, modes + 1 - filled)
-        np.multiply(powers[1 : more + 1], powers[filled - 1], out=powers[filled : filled + more])
-        filled += more
-    return np.concatenate([powers.real, powers[1:].imag])
 
 
 @dataclass(frozen=True, eq=False)
