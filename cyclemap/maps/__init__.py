@@ -77,6 +77,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
+    from cyclemap.maps.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
     from cyclemap.maps.estimate import Estimate as Estimate
     from cyclemap.maps.families.bifurcation_curves import (
         BifurcationCurve as BifurcationCurve,
@@ -140,8 +141,7 @@ if TYPE_CHECKING:
         nth_iterate as nth_iterate,
         shifted as shifted,
     )
-    from cyclemap.maps.noise.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
-    from cyclemap.maps.noise.noise import (
+    from cyclemap.maps.noise import (
         Noise as Noise,
         WrappedCauchy as WrappedCauchy,
         WrappedNormal as WrappedNormal,

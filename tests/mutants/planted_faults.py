@@ -16,7 +16,7 @@ CONTACTS = (
     "tests/mechanics/test_concave_objects.py"
 )
 LIFTS = "tests/maps/lifts"
-NOISE = "tests/maps/noise tests/maps/operator/test_transfer_operator.py"
+NOISE = "tests/maps/test_noise_law.py tests/maps/operator/test_transfer_operator.py"
 OPERATOR = "tests/maps/operator"
 ORBITS = "tests/maps/orbits"
 STAIRCASES = "tests/maps/staircases"
@@ -206,7 +206,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "maps/noise/noise.py": (
+    "maps/noise.py": (
         NOISE,
         [
             ("np.exp(-0.5 * (order * self.sigma) ** 2)", "np.exp(-(order * self.sigma) ** 2)"),

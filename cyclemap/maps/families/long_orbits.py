@@ -28,7 +28,7 @@ from cyclemap.maps.families.family import (
     parametric_form,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.progress import Progress

@@ -23,11 +23,10 @@ from cyclemap.maps.families.family import (
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
-from cyclemap.maps.operator.wave_integrals import waves
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import Arc, Passage, killed_chain
 from cyclemap.one_thread import one_thread
@@ -174,8 +173,8 @@ class Response:
             source = push(theta) * growth
             # Elimination keeps all digits of what is not negative.
             positive = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
-            onward = chain.transitions(images[-1:])[0] @ chain.elimination.solve(positive[:-1])
-            up, down, most = (positive[-1] + onward).tolist()
+            later, _, _ = chain.elimination.expected(positive[:-1])
+            up, down, most = (positive[-1] + chain.transitions(images[-1:])[0] @ later).tolist()
             rates.append(up - down)
         near, far, again = rates
         rate, bound = _extrapolated(near, far)

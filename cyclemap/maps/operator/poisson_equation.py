@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -15,15 +15,66 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
-from cyclemap.maps.lifts.circle_map import require_degree_one
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 _POINTS = 8  # grid points a basis function
 _NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
 
 Rule = tuple[Array, Array]
+
+
+class Discretisation(Protocol):
+    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix
+    on it.
+
+    Laws are coefficients c of densities p(θ) = Σ_j c_j φ_j(θ), per radian.
+    """
+
+    @property
+    def map(self) -> CircleMap:
+        """F."""
+
+    @property
+    def noise(self) -> Noise | None:
+        """ξ; None for none."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+
+    @property
+    def left_out(self) -> float:
+        """A bound on what one cycle makes of functions beyond the basis;
+        inf where there is none."""
+
+    @property
+    def mass(self) -> Array:
+        """(n,): the integral of every basis function."""
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): the density 1/2π."""
+
+    @property
+    def matrix(self) -> Array:
+        """(n, n): the coefficients after one cycle from those before."""
+
+    @property
+    def rule(self) -> tuple[Array, Array]:
+        """Nodes and weights over one turn for integrals of a law."""
+
+    def moments(self, order: int) -> Complex:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
+
+    def cycle(self, law: Array) -> Array:
+        """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
+
+    def refined(self) -> Self:
+        """A finer basis, for errors."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,8 @@ import numpy as np
 
 from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.maps.estimate import MATRIX, Estimate
-from cyclemap.maps.operator.fourier_basis import Complex, Discretisation
+from cyclemap.maps.operator.fourier_basis import Complex
+from cyclemap.maps.operator.poisson_equation import Discretisation
 
 _DENSE = 320  # below this many unknowns all eigenvalues are computed at once
 _TOO_SMALL = 1e-6  # left vectors are not smoothed where that divides by less

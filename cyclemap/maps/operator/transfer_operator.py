@@ -18,11 +18,11 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.cells import CellLaw, cell_law
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, needed_modes
 from cyclemap.maps.operator.metastability import MetastableSet, leaving_errors, slow_chain
-from cyclemap.maps.operator.poisson_equation import FourierLaw
+from cyclemap.maps.operator.poisson_equation import Discretisation, FourierLaw
 from cyclemap.maps.operator.spectrum import (
     Spectrum,
     leading_spectrum,

@@ -15,7 +15,7 @@ from cyclemap.checks import finite_number, point
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS, SAME_ANGLE
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
-from cyclemap.maps.noise.noise import Noise, require_noise
+from cyclemap.maps.noise import Noise, require_noise
 from cyclemap.maps.quadrature import arc_rule
 
 Arc = tuple[float, float]
@@ -92,53 +92,46 @@ class Passage:
         return inside
 
 
-_BLOCK = 48  # unknowns eliminated together
 _VISITS = 64  # cycles after which the states are ranked by how often they are visited
 
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """I - q = (I - U)(D - L) on the states in ``order``; the most visited is first, and eliminated
-    last.
+    """A chain as its excursions from the state that it visits most; ``order`` puts that one first.
 
-    ``packed`` (n, n) holds -U above the diagonal, D on it and -L below it; U, L >= 0.
+    Of the other states: ``within``, (n - 1, n - 1), how often each is visited from each before an
+    excursion ends; ``back`` and ``gone``, (n - 1,), the chances that it ends at the first state and
+    that the path leaves. Of the first: ``ahead``, (n - 1,), the chances of going to the others, and
+    ``leaving``, that of leaving before it is visited again.
     """
 
-    packed: Array
-    out: Array
     order: Whole
+    within: Array
+    back: Array
+    gone: Array
+    ahead: Array
+    leaving: float
 
-    def solve(self, reward: Array) -> Array:
-        """(I - q)⁻¹ reward: what is collected on average until the chain leaves; shape (n,) or (n,
-        columns).
+    def expected(self, reward: Array) -> tuple[Array, Array, Array]:
+        """x = (I - q)⁻¹ reward, what is collected on average until the path leaves, (n,) or (n,
+        columns); x at the most visited state; and its differences from that, with their own digits.
         """
-        after = _triangular(self.packed, reward[self.order], upper=True)
-        return self._restored(_triangular(self.packed, after))
-
-    def expected(self, reward: Array) -> tuple[Array, float, Array]:
-        """x = (I - q)⁻¹ reward; x at the most visited state; and its differences from that, with
-        their own digits.
-        """
-        sources = np.stack([reward[self.order], self.out], axis=1)
-        collected, gone = _triangular(self.packed, sources, upper=True).T
-        if not np.all(np.diag(self.packed) > 0.0):  # some state is never left, in floating point
-            return np.full(reward.size, np.inf), np.inf, np.full(reward.size, np.nan)
-        # Before the first visit to that state: what is collected, and the chance of leaving.
-        before = np.stack([collected, gone])
-        before[:, 0] = 0.0
-        values, left, chance = _triangular(self.packed, np.vstack([collected, before]).T).T
-        change = left - values[0] * chance
-        return self._restored(values), float(values[0]), self._restored(change)
-
-    def _restored(self, ordered: Array) -> Array:
-        values = np.empty_like(ordered)
-        values[self.order] = ordered
-        return values
+        first = self.order[0]
+        others = self.order[1:]
+        values = np.empty_like(reward)
+        change = np.zeros_like(reward)
+        with np.errstate(all="ignore"):
+            collected = self.within @ reward[others]
+            top = np.asarray((reward[first] + self.ahead @ collected) / self.leaving)
+            values[others] = collected + np.multiply.outer(self.back, top)
+            change[others] = collected - np.multiply.outer(self.gone, top)
+        values[first] = top
+        return values, top, change
 
 
 def eliminated(q: Array, out: Array) -> Elimination:
-    """Grassmann-Taksar-Heyman elimination (1985), in blocks: without a difference, so small chances
-    keep their digits.
+    """Grassmann-Taksar-Heyman elimination (1985): without a difference, so small chances keep their
+    digits.
 
     q : (n, n) chances of going from i to j (the diagonal is not used); out : (n,) of leaving. Every
         entry of what it solves has a small relative error whatever the sizes (O'Cinneide 1993).
@@ -150,53 +143,37 @@ def eliminated(q: Array, out: Array) -> Elimination:
         mass = mass @ q
         mass /= max(mass.sum(), np.finfo(float).tiny)
     order = np.argsort(-mass, kind="stable")
-    # The first column leads out; all sums are of >= 0.
-    work = np.column_stack([out[order], q[np.ix_(order, order)]])
-    for high in range(out.size, 0, -_BLOCK):
-        low = max(0, high - _BLOCK)
-        rows = slice(low, high)
-        among = slice(low + 1, high + 1)
-        before = slice(0, low + 1)
-        # The states of a block among themselves, then towards those before it.
-        block = work[rows, among]
-        away = work[rows, before].sum(axis=1)
-        for k in range(high - low - 1, -1, -1):
-            pivot = away[k] + np.sum(block[k, :k])
-            share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
-            block[k, k] = pivot
-            block[:k, k] = share
-            block[:k, :k] += np.multiply.outer(share, block[k, :k])
-            away[:k] += share * away[k]
-        pivots = np.diag(block)
-        shares = np.eye(high - low) - np.triu(block, 1)
-        moves = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1)
-        # An upper triangle is its own LU factor: these only substitute, in sums of >= 0.
-        work[rows, before] = np.linalg.solve(shares, work[rows, before])
-        work[:low, among] = np.linalg.solve(moves.T, work[:low, among].T).T
-        work[:low, before] += work[:low, among] @ work[rows, before]
-    packed = -work[:, 1:]
-    np.fill_diagonal(packed, -np.diag(packed))
-    return Elimination(packed, out[order], order)
+    moves = q[np.ix_(order, order)]
+    leaving = out[order]
+    with np.errstate(
+        all="ignore"
+    ):  # numbers beyond all floats are said to be inf by who reads them
+        within = visits(moves[1:, 1:], leaving[1:] + moves[1:, 0])
+        gone = within @ leaving[1:]
+        ahead = moves[0, 1:]
+        first = float(leaving[0] + ahead @ gone)
+        return Elimination(order, within, within @ moves[1:, 0], gone, ahead, first)
 
 
-def _triangular(packed: Array, values: Array, *, upper: bool = False) -> Array:
-    """Solve with the unit upper factor, or with the lower one, in blocks; nothing cancels when
-    ``values`` >= 0.
+def visits(q: Array, out: Array) -> Array:
+    """(I - q)⁻¹, how often each state is visited from each before the chain leaves, in sums of >= 0
+    alone: the second half of the states in its excursions from the first, then the first.
     """
-    solved = np.array(values)
-    lows = range(0, packed.shape[0], _BLOCK)
-    for low in reversed(lows) if upper else lows:
-        inside = slice(low, low + _BLOCK)
-        known = slice(low + _BLOCK, None) if upper else slice(0, low)
-        block = packed[inside, inside]
-        with np.errstate(over="ignore", invalid="ignore"):
-            rest = solved[inside] - packed[inside, known] @ solved[known]
-        # Turned upside down a lower triangle is an upper one.
-        if upper:
-            solved[inside] = np.linalg.solve(np.eye(block.shape[0]) + np.triu(block, 1), rest)
-        else:
-            solved[inside] = np.linalg.solve(np.tril(block)[::-1, ::-1], rest[::-1])[::-1]
-    return solved
+    if out.size < 2:
+        return np.diag(1.0 / out)
+    early = slice(0, out.size // 2)
+    late = slice(out.size // 2, out.size)
+    within = visits(q[late, late], out[late] + q[late, early].sum(axis=1))
+    onward = q[early, late] @ within
+    back = within @ q[late, early]
+    whole = np.empty_like(q)
+    whole[early, early] = visits(
+        q[early, early] + onward @ q[late, early], out[early] + onward @ out[late]
+    )
+    whole[early, late] = whole[early, early] @ onward
+    whole[late, early] = back @ whole[early, early]
+    whole[late, late] = within + whole[late, early] @ onward
+    return whole
 
 
 MAX_UNKNOWNS = 6_000
@@ -312,7 +289,8 @@ class KilledChain:
         leaving by exit e.
         """
         reward = each + at @ self.departures(self.images)
-        return Expectation(self, each, at, *self.elimination.expected(reward))
+        values, top, change = self.elimination.expected(reward)
+        return Expectation(self, each, at, values, float(top), change)
 
 
 @dataclass(frozen=True, eq=False)
@@ -387,8 +365,7 @@ class Expectation:
         max_error = chain.passage.map.max_error
         sources = np.stack([own, slope * max_error], axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
-            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(
-                sources[:-1]
-            )
+            onward, _, _ = chain.elimination.expected(sources[:-1])
+            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ onward
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
         return float(own_bound), float(from_map) if max_error else 0.0

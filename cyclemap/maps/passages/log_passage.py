@@ -13,7 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise, WrappedNormal, reduced
+from cyclemap.maps.noise import Noise, WrappedNormal, reduced
 from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,

@@ -11,7 +11,7 @@ from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.cells import Cells, cells_of
 from cyclemap.maps.passages.killed_chain import (
     Arc,
@@ -248,14 +248,14 @@ def _collected_by(
         return (float("inf") if each > 0.0 else 0.0), 0.0
     kept = np.ix_(leads, leads)
     chain = eliminated(moves[kept], gone[leads].sum(axis=1) + moves[leads][:, ~leads].sum(axis=1))
-    solved = chain.solve(each + gone[leads] @ at)
+    solved, _, _ = chain.expected(each + gone[leads] @ at)
     here = moves[kept] @ solved + gone[leads] @ at
     change = np.zeros_like(here)
     for shift in (-off, off) if off else ():
         there, gone_there = _chances(cells.moved(shift), passage)
         after = there[kept] @ solved + gone_there[leads] @ at
         change = np.maximum(change, np.abs(after - here))
-    return float(solved[0]), float(chain.solve(change)[0])
+    return float(solved[0]), float(chain.expected(change)[0][0])
 
 
 def _grown(mask: Mask, leads: Mask) -> Mask:

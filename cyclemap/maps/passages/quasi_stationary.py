@@ -15,16 +15,14 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.passages.killed_chain import Arc, KilledChain, Passage, killed_chain
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.passages.killed_chain import Arc, KilledChain, Passage, killed_chain, visits
 from cyclemap.one_thread import one_thread
 
 _OTHER = 1.4  # bandwidth of the second solution over that of the first
 _APART = 10.0  # times the difference of the two: the bound
-_SQUARINGS = 40
-_NEARLY = 1e-13  # change that ends them
-_CYCLES = 20_000
-_SETTLED = 1e-13  # relative change of every node's chance that ends single cycles
+_ROUNDS = 5_000
+_SETTLED = 1e-13  # relative difference of every node's chances that ends them
 _NOTHING = 1e-290  # chances that are none
 _ACCEPTED = 1e-6  # relative error bound of the escape rate, ``max_error`` apart
 
@@ -92,17 +90,17 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     InvalidInput
         As ``mean_passage_time``.
     ConvergenceError
-        Where the rate is not known to 1e-6 of itself.
+        Where the rate is not known to 1e-6 of itself, or is nearly the same from several parts of
+        the arc.
 
     Notes
     -----
-    ν K = λ ν by repeated squaring of the chain on Nyström's nodes: sums of positive terms, so that
-    small chances keep their digits, and 1 - λ is ν's chance of leaving in a cycle, never a
-    difference. ``error_bound``: ten times the difference from other nodes, measured, and what the
-    map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of the chance of leaving and of w(F
-    + ξ), w the solution of (λ - K) w = chance of leaving - mean; or what the maps change that are
-    off by ±ε with the signs of ∂/∂F, where that is more. (Collet, Martínez & San Martín,
-    Quasi-Stationary Distributions, 2013.)
+    ν K = λ ν by inverse iteration on Nyström's nodes, (I - K)⁻¹ by elimination without subtraction:
+    sums of positive terms, so that small chances keep their digits, and 1 - λ is ν's chance of
+    leaving in a cycle, never a difference. ``error_bound``: ten times the difference from other
+    nodes, measured, and what the map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of the
+    chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean; or
+    what the maps change that are off by ±ε with the signs of ∂/∂F, where that is more.
 
     References
     ----------
@@ -165,30 +163,21 @@ def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float,
 def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
     """The quasi-stationary chances of the nodes, (n,), and those of leaving in a cycle by each
     exit; F at the nodes.
+
+    By inverse iteration: of all eigenvalues λ of the chain the largest one is the nearest to 1.
+    From two random laws, which agree in the end: a law that changes little may be far from it yet.
     """
-    moves = chain.transitions(images)
-    power = moves
-    mass = np.full(chain.theta.size, 1.0 / chain.theta.size)
-    for _ in range(_SQUARINGS):
-        after = mass @ power
-        after /= after.sum()
-        settled = np.abs(after - mass).sum() <= _NEARLY
-        mass = after
-        if settled:
-            break
-        power = power @ power
-        power /= power.sum(axis=1).max()
-    # Single cycles give the small chances their digits: a rounding is forgotten by the next ones,
-    # not squared.
-    for _ in range(_CYCLES):
-        after = mass @ moves
-        after /= after.sum()
-        settled = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING)
-        mass = after
-        if settled:
-            return mass, chain.departures(images) @ mass
+    gone = chain.departures(images)
+    runs = visits(chain.transitions(images), gone.sum(axis=0))
+    laws = np.random.default_rng(1).uniform(size=(2, chain.theta.size))
+    for _ in range(_ROUNDS):
+        laws = laws @ runs
+        laws /= laws.sum(axis=1, keepdims=True)
+        mass, other = laws
+        if np.all(np.abs(mass - other) <= _SETTLED * mass + _NOTHING):
+            return mass, gone @ mass
     raise ConvergenceError(
-        "the path keeps turning in the arc or stays in several parts of it: take a shorter arc"
+        "the escape rate is nearly the same from several parts of the arc: take a shorter arc"
     )
 
 

@@ -22,7 +22,7 @@ from cyclemap.checks import (
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.staircases.slow_zones import StaircaseSummary, predict_staircase
 from cyclemap.one_thread import one_thread

@@ -12,7 +12,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.map_algebra import shifted
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
 from cyclemap.maps.passages.killed_chain import Passage, killed_chain

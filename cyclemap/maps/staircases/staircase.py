@@ -13,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.staircases.drifting_map import DriftingMap, Stretch
 
 _CHUNK = 65_536  # cycles followed at a time

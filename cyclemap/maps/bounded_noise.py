@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise.noise import checked_width, folded, reduced
+from cyclemap.maps.noise import checked_width, folded, reduced
 
 
 @dataclass(frozen=True)
