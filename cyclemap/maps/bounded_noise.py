@@ -117,8 +117,7 @@ def wrapped_window(halfwidth: float) -> tuple[float, float, float]:
 
 _CONCENTRATED = 1e8  # beyond it the coefficients come from their expansion in 1/κ
 _SPAN = 45.0  # integrals stop where the density has fallen by exp(-45)
-_NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(64))
-_NODES = _NODES + 0.5
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]
 
 
 @dataclass(frozen=True)
@@ -206,14 +205,15 @@ class VonMises:
         """P(ξ > x)."""
         at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
-        return np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail)
+        return np.where(at < 0.0, 1.0 - tail, tail)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): up to three positive parts of [0, π]."""
         near, beyond = folded(low, high)
-        parts = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi))
-        parts = parts + self._half_integral(0.0, np.minimum(np.maximum(-near, 0.0), np.pi))
-        return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi))
+        ahead = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi))
+        behind = self._half_integral(0.0, np.clip(-near, 0.0, np.pi))
+        around = self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi)
+        return np.asarray(ahead + behind + around)
 
     def _half_integral(
         self,
@@ -233,11 +233,10 @@ class VonMises:
             squared < 1.0, 2.0 * np.arcsin(np.sqrt(np.minimum(squared, 1.0))) - start, np.pi
         )
         length = np.minimum(end - start, falls)
-        total = np.zeros(start.shape)
-        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-            step = length * node
-            fall = 2.0 * self.kappa * np.sin(0.5 * step) * np.sin(start + 0.5 * step)
-            total += weight * factor(start + step) * np.exp(-fall)
+        step = length[..., None] * (0.5 + 0.5 * _NODES)
+        angle = start[..., None] + step
+        fall = 2.0 * self.kappa * np.sin(0.5 * step) * np.sin(angle - 0.5 * step)
+        total = (factor(angle) * np.exp(-fall)) @ (0.5 * _WEIGHTS)
         return np.asarray(total * length * self.density(start))
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:

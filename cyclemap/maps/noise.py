@@ -189,9 +189,7 @@ class WrappedNormal:
             chords = np.sin(np.multiply.outer(half, _ORDERS)) / _ORDERS
             return (half + 2.0 * self._waves(np.cos, low + half, chords)) / np.pi
         near, beyond = folded(low, high)
-        above = self.exceedance(beyond)
-        within = np.where(near < 0.0, 1.0 - self.exceedance(-near), self.exceedance(near))
-        total = np.asarray(within - above)
+        total = np.asarray(self.exceedance(near) - self.exceedance(beyond))
         for turn in range(1, 2 + int(np.ceil(9.0 * self.sigma / TWO_PI))):
             shift = TWO_PI * turn
             total += self.exceedance(shift + near) - self.exceedance(shift + beyond)

@@ -5,6 +5,7 @@ them.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,12 +36,8 @@ def needed_modes(noise: Noise) -> int:
     """
     if noise.tail(MAX_MODES) > NEGLIGIBLE:
         raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
-    few = 0
-    enough = MAX_MODES
-    while enough - few > 1:
-        middle = (few + enough) // 2
-        few, enough = (few, middle) if noise.tail(middle) <= NEGLIGIBLE else (middle, enough)
-    return enough
+    counts = range(1, MAX_MODES + 1)
+    return counts[bisect_left(counts, True, key=lambda modes: noise.tail(modes) <= NEGLIGIBLE)]
 
 
 def waves(theta: Array, modes: int) -> Array:
