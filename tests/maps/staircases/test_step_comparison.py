@@ -151,4 +151,5 @@ def test_what_cannot_be_compared_is_none():
     turning = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
     none = compare_steps(find_steps(0.2 * np.pi * np.arange(50)), turning)
     assert (none.predicted_length, none.net_steps, none.expected_steps) == (None,) * 3
-    assert kaplan_meier_mean([3.0], [True]) == (None, None)
+    assert kaplan_meier_mean(np.array([3.0]), np.array([True])) == (None, None)
+    assert kaplan_meier_mean(np.zeros(0), np.zeros(0, dtype=bool)) == (None, None)
