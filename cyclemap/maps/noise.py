@@ -74,11 +74,9 @@ class Noise(Protocol):
 
 
 def require_noise(noise: object) -> None:
-    """Raise InvalidInput where there is none."""
+    """Raise InvalidInput where it is none."""
     if not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
-        )
+        raise InvalidInput(f"the noise is {noise!r}: give one, for example WrappedNormal(0.02)")
 
 
 def checked_width(name: str, value: float) -> float:

@@ -68,9 +68,11 @@ class WavesInBlocks:
     def __iter__(self) -> Iterator[Waves]:
         step = max(64, _ENTRIES // (2 * self.modes + 1))
         if self.angles.size <= step:
-            return iter([self._only_block])
-        parts = (slice(at, at + step) for at in range(0, self.angles.size, step))
-        return ((stretch, waves(self.angles[stretch], self.modes)) for stretch in parts)
+            yield self._only_block
+            return
+        for first in range(0, self.angles.size, step):
+            stretch = slice(first, first + step)
+            yield stretch, waves(self.angles[stretch], self.modes)
 
     @cached_property
     def _only_block(self) -> Waves:
@@ -162,13 +164,9 @@ class FourierDiscretisation:
 
     def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
-        row = np.zeros(self.size, dtype=np.complex128)
-        if order == 0:
-            row[0] = 1.0
-        elif abs(order) <= self.modes:
-            row[abs(order)] = 1.0
-            row[self.modes + abs(order)] = 1j * np.sign(order)
-        return row
+        phase = np.ones(self.size, dtype=np.complex128)
+        phase[self.modes + 1 :] = 1j * np.sign(order)
+        return np.where(self.order == abs(order), phase, 0.0)
 
     @property
     def work(self) -> float:
@@ -254,17 +252,10 @@ class FourierDiscretisation:
             self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer
         )
 
-    def padded(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
-        """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
-        stretch = np.split(coefficients, [1, coarse.modes + 1])
-        rest = np.zeros((self.modes - coarse.modes, *np.shape(coefficients)[1:]))
-        return np.concatenate([stretch[0], stretch[1], rest, stretch[2], rest])
-
-    def cut(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
-        """The coefficients of the modes that a ``coarse`` basis has too."""
-        return np.concatenate(
-            [coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]]
-        )
+    def places(self, coarse: FourierDiscretisation) -> Whole:
+        """Where the coefficients of a ``coarse`` basis, of no more modes, stand among these."""
+        modes = np.arange(coarse.modes)
+        return np.concatenate([[0], 1 + modes, 1 + self.modes + modes])
 
     def _turned_back(self, factors: Array) -> Array:
         """Factors (n,) or (n, k) of waves as those of their derivatives: cos → -m sin, sin → m cos.

@@ -177,10 +177,14 @@ class FourierLaw(StationaryLaw):
         basis = self.basis
         law = self.coefficients
         fine = basis.refined()
-        density = fine.on_nodes(fine.padded(law, basis))
-        defect = fine.carried(density) - fine.padded(law, basis)
+        kept = fine.places(basis)
+        padded = np.zeros(fine.size)
+        padded[kept] = law
+        density = fine.on_nodes(padded)
+        defect = fine.carried(density) - padded
         once = fine.cycle(defect)
-        resolved = fine.padded(self._solve(fine.cut(once, basis)), basis)
+        resolved = np.zeros(fine.size)
+        resolved[kept] = self._solve(once[kept])
         correction = defect + once + fine.cycle(resolved)
         left = float(np.sum(np.abs(fine.cycle(correction) - correction + defect)))
         # And Σ over m > modes of |E e^{imθ}| after one cycle (proved), with an allowance for

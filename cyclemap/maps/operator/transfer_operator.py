@@ -18,7 +18,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.noise import Noise
+from cyclemap.maps.noise import Noise, require_noise
 from cyclemap.maps.operator.cells import CellLaw, cell_law
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, needed_modes
 from cyclemap.maps.operator.metastability import MetastableSet, slow_chain
@@ -114,10 +114,8 @@ def transfer_operator(
     (0.3, 1.0)
     """
     require_map(circle_map)
-    if noise is not None and not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None"
-        )
+    if noise is not None:
+        require_noise(noise)
     if noise is None or noise.jump > 0.0:
         if modes is not None:
             raise InvalidInput(

@@ -99,11 +99,7 @@ def log10_passage_time(
     """
     passage = Passage.out_of(circle_map, noise, arc, lifted)
     inside = passage.begun(start)
-    many = False
-    if noise.sigma is not None:
-        plain = killed_chain(passage, every_sample=False, most=_MOST_NODES)
-        many = plain.theta.size > _FEW
-    if not many or _log_time(plain, inside) < np.log(LONGEST):
+    if noise.sigma is None or not _is_endless(_chain(passage, False), inside):
         time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
@@ -113,11 +109,7 @@ def log10_passage_time(
             )
     for every_sample in (False, True):
         value, again = (
-            _log_time(
-                killed_chain(passage, every_sample=every_sample, stretch=stretch, most=_MOST_NODES),
-                inside,
-            )
-            for stretch in (1.0, _STRETCH)
+            _log_time(_chain(passage, every_sample, stretch), inside) for stretch in (1.0, _STRETCH)
         )
         bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
         if bound <= _ACCEPTED:
@@ -125,6 +117,15 @@ def log10_passage_time(
     raise ConvergenceError(
         f"ln of the mean passage time came out as {again:.9g} with error bound {bound:.3g}"
     )
+
+
+def _chain(passage: Passage, every_sample: bool, stretch: float = 1.0) -> KilledChain:
+    return killed_chain(passage, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
+
+
+def _is_endless(chain: KilledChain, start: float) -> bool:
+    """Whether the passage is longer than a float holds, as far as that need not be tried first."""
+    return chain.theta.size > _FEW and _log_time(chain, start) >= np.log(LONGEST)
 
 
 def _log_time(chain: KilledChain, start: float) -> float:
@@ -150,8 +151,7 @@ def _log_chance(chain: KilledChain, first: int, out: Array) -> Array:
     wider = chain
     if chain.theta.size > _FEW:
         noise = WrappedNormal(2.0 * _sigma(chain))
-        passage = replace(chain.passage, noise=noise)
-        wider = killed_chain(passage, every_sample=chain.every_sample, most=_MOST_NODES)
+        wider = _chain(replace(chain.passage, noise=noise), chain.every_sample)
     if wider.theta.size < chain.theta.size:
         at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
         coarse = _log_chance(wider, at, _log_departures(wider))
@@ -179,9 +179,7 @@ def _fixed(moves: csr_array, source: Array) -> Array:
 
 
 def _without(moves: csr_array, column: int) -> csr_array:
-    kept = moves.copy()
-    kept.data[kept.indices == column] = 0.0
-    return kept
+    return moves.multiply(np.arange(moves.shape[1]) != column).tocsr()
 
 
 def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:

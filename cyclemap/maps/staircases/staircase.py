@@ -13,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise import Noise
+from cyclemap.maps.noise import Noise, require_noise
 from cyclemap.maps.staircases.drifting_map import DriftingMap, Stretch
 
 _CHUNK = 65_536  # cycles followed at a time
@@ -255,10 +255,8 @@ def _generator(
     """The random numbers of a path, once it is sure that it can be followed."""
     if not isinstance(circle_map, CircleMap | DriftingMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap or a DriftingMap")
-    if noise is not None and not isinstance(noise, Noise | LocalNoise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None"
-        )
+    if noise is not None and not isinstance(noise, LocalNoise):
+        require_noise(noise)
     return np.random.default_rng(whole_number("seed", seed, least=0))
 
 
