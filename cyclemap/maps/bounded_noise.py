@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise import checked_width, folded, reduced
+from cyclemap.maps.noise import checked_width, folded, reals, reduced
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class UniformNoise:
 
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = sin(mh)/(mh)."""
-        return np.asarray(np.sinc(np.asarray(m, dtype=np.float64) * (self.halfwidth / np.pi)))
+        return np.asarray(np.sinc(reals(m) * (self.halfwidth / np.pi)))
 
     def tail(self, m: int) -> float:
         """Infinite: |κ_k| falls like 1/k, and its sum diverges."""
@@ -67,7 +67,7 @@ class UniformNoise:
         0.
         """
         if lifted:
-            distance = np.asarray(x, dtype=np.float64)
+            distance = reals(x)
             return ((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
                 2.0 * self.halfwidth
             )
@@ -85,7 +85,7 @@ class UniformNoise:
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
-        above = self.halfwidth - np.asarray(x, dtype=np.float64)
+        above = self.halfwidth - reals(x)
         return np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
@@ -93,7 +93,7 @@ class UniformNoise:
         2h.
         """
         share, window, centre = wrapped_window(self.halfwidth)
-        length = high - np.asarray(low, dtype=np.float64)
+        length = high - reals(low)
         start = reduced(low - centre)
         inside = np.zeros_like(start)
         for turn in (0.0, TWO_PI):
@@ -170,7 +170,7 @@ class VonMises:
         """
         from scipy.special import i0e, ive  # slow to import for those who ask for another noise
 
-        order = np.abs(np.asarray(m, dtype=np.float64))
+        order = np.abs(reals(m))
         if self.kappa <= _CONCENTRATED:
             return np.asarray(ive(order, self.kappa) / i0e(self.kappa))
         share = np.minimum(order, self.kappa) ** 2 / self.kappa
@@ -190,9 +190,7 @@ class VonMises:
         """Density per radian; on the line 0 outside [-π, π]."""
         from scipy.special import i0e
 
-        within = (
-            np.clip(x, -np.pi, np.pi) if lifted else np.asarray(x, dtype=np.float64)
-        )  # x may be infinite then
+        within = np.clip(x, -np.pi, np.pi) if lifted else reals(x)  # x may be infinite then
         half = np.sin(0.5 * within)
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
         return np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density
@@ -203,7 +201,7 @@ class VonMises:
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
-        at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
+        at = np.clip(reals(x), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
         return np.where(at < 0.0, 1.0 - tail, tail)
 
@@ -224,9 +222,7 @@ class VonMises:
         """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go
         together.
         """
-        start, end = np.broadcast_arrays(
-            np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
-        )
+        start, end = np.broadcast_arrays(reals(low), reals(high))
         # No further than where the density has fallen by exp(-45), if it does.
         squared = np.sin(0.5 * start) ** 2 + 0.5 * _SPAN / self.kappa
         falls = np.where(

@@ -214,8 +214,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("(1.0 - self.r**2) / (TWO_PI * distance)", "(1.0 - self.r) / (TWO_PI * distance)"),
             ("stretch = (1.0 + self.r) / (", "stretch = (1.0 + self.r) + 0.0 * ("),
             (
-                "scaled = np.asarray(x, dtype=np.float64) / (self.sigma * math.sqrt(2.0))",
-                "scaled = np.asarray(x, dtype=np.float64) / self.sigma",
+                "scaled = reals(x) / (self.sigma * math.sqrt(2.0))",
+                "scaled = reals(x) / self.sigma",
             ),
         ],
     ),

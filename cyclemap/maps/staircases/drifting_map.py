@@ -208,9 +208,9 @@ class DriftingMap:
         ``theta``.
         """
         images = np.empty_like(theta)
-        for part in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
-            here = (cycle >= part.first) & (cycle < part.last)
-            images[..., here] = part.images(theta[..., here], cycle[here].astype(np.int64))
+        for stretch in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
+            here = (cycle >= stretch.first) & (cycle < stretch.last)
+            images[..., here] = stretch.images(theta[..., here], cycle[here].astype(np.int64))
         return images
 
     def stretches(self, first: int, last: int) -> Iterator[Stretch]:

@@ -178,17 +178,10 @@ def predict_staircase(
     known = transfer_operator(circle_map, noise) if operator is None else operator
     require_degree_one(circle_map, "a staircase")
     mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
-    grid = TWO_PI * np.arange(_GRID) / _GRID
-    turn = circle_map.turn(grid)
-    if np.ptp(turn) <= _FLAT:
-        return StaircaseSummary(mean_turn, None, None, ())
-    zones = _stable_zones(circle_map, noise)
-    if not zones:
-        share = (np.arange(_INSIDE) + 0.5) / _INSIDE
-        for ghost in _ghosts(circle_map, noise, grid, turn):
-            inside = ghost.arc[0] + (ghost.arc[1] - ghost.arc[0]) * share
-            if TWO_PI * np.mean(known.density(inside)) >= _LINGERING:
-                zones.append(ghost)
+    turn = circle_map.turn(TWO_PI * np.arange(_GRID) / _GRID)
+    zones = []
+    if np.ptp(turn) > _FLAT:
+        zones = _stable_zones(circle_map, noise) or _ghosts(circle_map, noise, known, turn)
     if not zones:
         return StaircaseSummary(mean_turn, None, None, ())
     residences = [zone.residence_cycles for zone in zones]
@@ -222,7 +215,10 @@ def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
     return zones
 
 
-def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> list[SlowZone]:
+def _ghosts(
+    circle_map: CircleMap, noise: Noise, operator: TransferOperator, turn: Array
+) -> list[SlowZone]:
+    """The slow arcs where the path lingers; ``turn`` is F(θ) - θ on an even grid."""
     winding = round(float(np.mean(turn)) / TWO_PI)
     still = shifted(circle_map, -winding)
     turn = turn - TWO_PI * winding
@@ -232,15 +228,19 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
     turn = np.roll(turn, -begin)
     slowness = np.abs(turn)
     zones = []
-    step = float(grid[1])
+    step = TWO_PI / _GRID
+    share = (np.arange(_INSIDE) + 0.5) / _INSIDE
     for first, end in stretches(slowness < level):
         # The slow arc begins and ends where |turn| crosses the level.
         before, after = (
             float((level - slowness[inside]) / (slowness[outside] - slowness[inside]))
             for inside, outside in ((first, first - 1), (end - 1, end % _GRID))
         )
-        start = float(grid[(begin + first) % _GRID])
+        start = step * ((begin + first) % _GRID)
         arc = start - step * before, start + step * (end - first - 1 + after)
+        within = arc[0] + (arc[1] - arc[0]) * share
+        if TWO_PI * np.mean(operator.density(within)) < _LINGERING:
+            continue
         slowest = first + int(np.argmin(slowness[first:end]))
         residence = mean_passage_time(still, noise, arc[int(turn[slowest] < 0.0)], arc)
         centre = (start + step * (slowest - first)) % TWO_PI

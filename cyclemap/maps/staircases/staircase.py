@@ -184,9 +184,11 @@ def sample_staircase(
     path[0] = begin
     for at in range(0, count, _CHUNK):
         kicks = _kicks(noise, rng, min(_CHUNK, count - at))
-        for part in _stretches(circle_map, at, at + kicks.size):
-            given = kicks[part.first - at : part.last - at].tolist()
-            path[part.first + 1 : part.last + 1] = part.path(float(path[part.first]), given)
+        for stretch in _stretches(circle_map, at, at + kicks.size):
+            given = kicks[stretch.first - at : stretch.last - at].tolist()
+            path[stretch.first + 1 : stretch.last + 1] = stretch.path(
+                float(path[stretch.first]), given
+            )
     return Staircase(read_only(path), seed, begin)
 
 
@@ -242,10 +244,10 @@ def sample_staircases(
             kicks = noise.units(rng, size, None if kicks is None else kicks[-1])
         else:
             kicks = _kicks(noise, rng, size)
-        for part in _stretches(circle_map, at, at + size[0]):
-            for n in range(part.first, part.last):
+        for stretch in _stretches(circle_map, at, at + size[0]):
+            for n in range(stretch.first, stretch.last):
                 scale = noise.sigma(paths[n]) if isinstance(noise, LocalNoise) else 1.0
-                paths[n + 1] = part.images(paths[n], n) + scale * kicks[n - at]
+                paths[n + 1] = stretch.images(paths[n], n) + scale * kicks[n - at]
     return read_only(paths.T)
 
 
