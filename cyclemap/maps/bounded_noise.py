@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise import checked_width, folded, reals, reduced
+from cyclemap.maps.noise import Size, checked_width, folded, reals, reduced
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class UniformNoise:
             inside = inside + np.maximum(ahead, 0.0)
         return share * length / TWO_PI + inside / (2.0 * self.halfwidth)
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Uniform draws, radians, not wrapped."""
         return rng.uniform(-self.halfwidth, self.halfwidth, size)
 
@@ -235,6 +235,6 @@ class VonMises:
         total = (factor(angle) * np.exp(-fall)) @ (0.5 * _WEIGHTS)
         return np.asarray(total * length * self.density(start))
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Von Mises draws in [-π, π], radians (Best & Fisher 1979)."""
         return rng.vonmises(0.0, self.kappa, size)

@@ -16,6 +16,8 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 
+Size = int | tuple[int, ...]  # of an array of draws
+
 
 @runtime_checkable
 class Noise(Protocol):
@@ -69,7 +71,7 @@ class Noise(Protocol):
         digits.
         """
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Independent draws on the real line, radians."""
 
 
@@ -194,7 +196,7 @@ class WrappedNormal:
             total += self.exceedance(shift - beyond) - self.exceedance(shift - near)
         return total
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Normal draws, radians, not wrapped."""
         return rng.normal(0.0, self.sigma, size)
 
@@ -328,6 +330,6 @@ class WrappedCauchy:
         along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
         return np.arctan2(stretch * np.sin(b - a), along) / np.pi
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Cauchy draws, radians, not wrapped: now and then many turns long."""
         return self._scale * rng.standard_cauchy(size)

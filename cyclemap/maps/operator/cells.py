@@ -20,8 +20,8 @@ from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.lifts.scan import ranks
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
-from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
-from cyclemap.maps.quadrature import gauss_rule
+from cyclemap.maps.operator.poisson_equation import StationaryLaw, checked_values
+from cyclemap.maps.quadrature import Rule, gauss_rule
 
 _POINT = 1e-7  # radians: images shorter than this are points
 _APART = 1e-9  # radians: a break nearer to an edge of a cell is that edge
@@ -216,7 +216,7 @@ class CellDiscretisation:
         return shares
 
     @cached_property
-    def rule(self) -> tuple[Array, Array]:
+    def rule(self) -> Rule:
         """Three Gauss nodes in each cell, and their weights."""
         return gauss_rule(self.cells.start, self.cells.width, 3)
 

@@ -18,7 +18,7 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
-from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.quadrature import Rule, arc_rule
 
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications of plain sums: how fine a map may be for its noise
@@ -176,7 +176,7 @@ class FourierDiscretisation:
         return float(self.size) ** 2 * self.rule[0].size
 
     @cached_property
-    def rule(self) -> tuple[Array, Array]:
+    def rule(self) -> Rule:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as
         smooth as F.
         """

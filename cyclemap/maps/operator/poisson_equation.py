@@ -19,12 +19,11 @@ from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
+from cyclemap.maps.quadrature import Rule
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 _POINTS = 8  # grid points a basis function
 _NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
-
-Rule = tuple[Array, Array]
 
 
 class Discretisation(Protocol):
@@ -64,7 +63,7 @@ class Discretisation(Protocol):
         """(n, n): the coefficients after one cycle from those before."""
 
     @property
-    def rule(self) -> tuple[Array, Array]:
+    def rule(self) -> Rule:
         """Nodes and weights over one turn for integrals of a law."""
 
     def moments(self, order: int) -> Complex:

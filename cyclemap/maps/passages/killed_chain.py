@@ -16,7 +16,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS, SAME_ANGLE
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise import Noise, require_noise
-from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.quadrature import Rule, arc_rule
 
 Arc = tuple[float, float]
 
@@ -230,7 +230,7 @@ class KilledChain:
     finer: int = 1
 
     @cached_property
-    def rule(self) -> tuple[Array, Array]:
+    def rule(self) -> Rule:
         """The nodes and their weights, ``finer`` times as many as the bandwidth asks for."""
         rules = [
             arc_rule(self.passage.map, *ends, self.bandwidth, self.finer, self.every_sample)
