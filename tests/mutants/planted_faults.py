@@ -234,7 +234,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "spread = correlated + basis.noise.variance",
             ),
             (
-                "epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))",
+                "epsilon * float(np.dot(np.abs(self.masses), np.abs(slope)))",
                 "0.0 * epsilon",
             ),
         ],
@@ -257,7 +257,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "max(self.modes, needed_modes(self.noise)), 2 * self.finer",
                 "max(self.modes, needed_modes(self.noise)), self.finer",
             ),
-            ("if self.work > MAX_WORK:", "if self.work > 1e9 * MAX_WORK:"),
+            ("if work > MAX_WORK:", "if work > 1e9 * MAX_WORK:"),
             (
                 "np.concatenate([constant, sines, -cosines])",
                 "np.concatenate([constant, -sines, cosines])",

@@ -24,7 +24,7 @@ from cyclemap.maps.families.family import (
     parameter_tangent,
 )
 from cyclemap.maps.noise import Noise
-from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
@@ -126,7 +126,7 @@ class Response:
     def density(self, theta: ArrayLike) -> Array:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
-        moved, _ = self._moved(FourierLaw(self.basis), self.basis.evaluate(angles.ravel()).T)
+        moved, _ = self._moved(FourierLaw(self.basis), self.basis.evaluate(angles.ravel()))
         return moved.reshape(angles.shape)
 
     @one_thread
@@ -204,17 +204,16 @@ class Response:
         direct : ∂h/∂F where h depends on F.
         """
         basis = law.basis
-        theta, weight = basis.rule
-        mass = weight * basis.on_nodes(law.coefficients)
         dual = law.dual(moments)
-        slopes = (basis.expected_slope(dual).T + direct) * mass
-        near, far = (slopes @ push(theta) for push in (self.near, self.far))
+        slopes = (basis.expected_slope(dual).T + direct) * law.masses
+        near, far = (slopes @ push(basis.rule[0]) for push in (self.near, self.far))
         jumps, left, right = basis.map.jumps()
         if jumps.size:
-            sides = [(waves(image, basis.modes).T * basis.kappa) @ dual for image in (left, right)]
+            later = (basis.kappa * dual.T).T
+            sides = [basis.dual(image, later) for image in (left, right)]
             across = (sides[0] - sides[1]).T + direct * (left - right)
             rates = self.near.break_rates[np.isin(basis.map.breaks, jumps)]
-            moved = across @ (rates * (basis.evaluate(jumps) @ law.coefficients))
+            moved = across @ (rates * law.density(jumps))
             near = near + moved
             far = far + moved
         rate, bound = _extrapolated(near, far)

@@ -378,13 +378,6 @@ class CellLaw(StationaryLaw):
         distance = 0.5 * float(np.sum(np.abs(self.coefficients - self.basis.uniform)))
         return Estimate(distance, 0.5 * (self.mass_error + self._within))
 
-    def diffusion(self) -> Estimate:
-        """Refused: InvalidInput."""
-        raise InvalidInput(
-            f"the noise is {self.basis.noise!r}: a diffusion constant is computed for "
-            "WrappedNormal; else sample_staircases tells how paths spread"
-        )
-
 
 def variation_of_expanding(circle_map: CircleMap) -> float:
     """V with Var p <= V for every stationary density of a map some power of which expands; else

@@ -148,10 +148,8 @@ class FourierDiscretisation:
         return np.concatenate([[0.0], rising, rising])
 
     def evaluate(self, theta: Array) -> Array:
-        """(m, n): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
-        rows = waves(theta, self.modes)
-        rows *= self._scale[:, None]
-        return rows.T
+        """(n, m): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
+        return self._scale[:, None] * waves(theta, self.modes)
 
     def slope(self, theta: Array, law: Array) -> Array:
         """(m,): the derivative at the angles of the density with coefficients ``law``."""
@@ -168,13 +166,6 @@ class FourierDiscretisation:
         phase[self.modes + 1 :] = 1j * np.sign(order)
         return np.where(self.order == abs(order), phase, 0.0)
 
-    @property
-    def work(self) -> float:
-        """Multiplications that the plain sums of ``matrix`` take; ``wave_integrals`` does with
-        fewer.
-        """
-        return float(self.size) ** 2 * self.rule[0].size
-
     @cached_property
     def rule(self) -> Rule:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as
@@ -190,13 +181,14 @@ class FourierDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): κ_m ∫ (1, cos mF, sin mF) φ_k dθ; the first row keeps the mass exactly."""
-        if self.work > MAX_WORK:
-            raise ConvergenceError(
-                f"{self.modes} modes on {self.rule[0].size} nodes take {self.work:.2g} "
-                f"multiplications, more than {MAX_WORK:.2g}: the map has too fine a structure for "
-                "so small a noise; raise the noise"
-            )
         theta, weight = self.rule
+        work = float(self.size) ** 2 * theta.size
+        if work > MAX_WORK:
+            raise ConvergenceError(
+                f"{self.modes} modes on {theta.size} nodes take {work:.2g} multiplications, more "
+                f"than {MAX_WORK:.2g}: the map has too fine a structure for so small a noise; "
+                "raise the noise"
+            )
         matrix = wave_integrals(theta, weight, self.map(theta), self.modes)
         matrix *= self.kappa[:, None] * self._scale
         matrix[0] = self.mass

@@ -137,6 +137,13 @@ class StationaryLaw:
         """The density per radian at angles, shape (m,)."""
         raise NotImplementedError
 
+    def diffusion(self) -> Estimate:
+        """Refused, where there is no way to compute it: InvalidInput."""
+        raise InvalidInput(
+            f"the noise is {self.basis.noise!r}: a diffusion constant is computed for "
+            "WrappedNormal; else sample_staircases tells how paths spread"
+        )
+
     def refined(self) -> Self:
         """The same on a finer basis."""
         return replace(self, basis=self.basis.refined())
@@ -156,6 +163,11 @@ class FourierLaw(StationaryLaw):
     def density(self, theta: Array) -> Array:
         """The density per radian at angles, shape (m,)."""
         return self.basis.density(theta, self.coefficients)
+
+    @cached_property
+    def masses(self) -> Array:
+        """What the nodes of the basis's rule have of it: weights times the density there."""
+        return self.basis.rule[1] * self.basis.on_nodes(self.coefficients)
 
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
@@ -221,8 +233,9 @@ class FourierLaw(StationaryLaw):
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
         error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
-        error += float(np.hypot(self._map_error(row.real), self._map_error(row.imag)))
-        return error + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
+        for bound in self._map_error, self._dual_bound:
+            error += float(np.hypot(bound(row.real), bound(row.imag)))
+        return error
 
     def _map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
@@ -231,14 +244,11 @@ class FourierLaw(StationaryLaw):
         ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E
         z(F + ξ) in F, and ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
         """
-        basis = self.basis
         epsilon = self.basis.map.max_error
         if epsilon == 0.0:
             return 0.0
-        _, weight = basis.rule
-        dual = self.dual(moments)
-        mass = weight * np.abs(basis.on_nodes(self.coefficients))
-        return epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))
+        slope = direct + self.basis.expected_slope(self.dual(moments))
+        return epsilon * float(np.dot(np.abs(self.masses), np.abs(slope)))
 
     @cached_property
     def _map_errors(self) -> Array:
@@ -248,14 +258,14 @@ class FourierLaw(StationaryLaw):
         ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
         """
         basis = self.basis
-        epsilon = self.basis.map.max_error
+        epsilon = basis.map.max_error
         if epsilon == 0.0:
             return np.zeros(1)
         where = TWO_PI * np.arange(basis.modes) / basis.modes
-        theta, weight = basis.rule
-        mass = weight * np.abs(basis.on_nodes(self.coefficients))
+        mass: Array = np.abs(self.masses)
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
-        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where).T), at=theta[held]))
+        at = basis.rule[0][held]
+        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where)), at))
         return epsilon * (mass[held] @ slopes)
 
     def expectation(
@@ -322,13 +332,10 @@ class FourierLaw(StationaryLaw):
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
         if basis.noise.sigma is None:
-            raise InvalidInput(
-                f"the noise is {basis.noise!r}: a diffusion constant is computed for "
-                "WrappedNormal; else sample_staircases tells how paths spread"
-            )
+            return super().diffusion()
         theta, weight = basis.rule
         turn = basis.map.turn(theta)
-        mass = weight * basis.on_nodes(self.coefficients)
+        mass = self.masses
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
         later = basis.backward(theta, dual)  # Pz, but for a constant

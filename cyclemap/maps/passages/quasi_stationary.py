@@ -90,8 +90,8 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     InvalidInput
         As ``mean_passage_time``.
     ConvergenceError
-        Where the rate is not known to 1e-6 of itself, or is nearly the same from several parts of
-        the arc.
+        Where the rate is not known to 1e-6 of itself, is nearly the same from several parts of the
+        arc, or is below every float.
 
     Notes
     -----
@@ -168,7 +168,12 @@ def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
     From two random laws, which agree in the end: a law that changes little may be far from it yet.
     """
     gone = chain.departures(images)
-    runs = visits(chain.transitions(images), gone.sum(axis=0))
+    with np.errstate(all="ignore"):
+        runs = visits(chain.transitions(images), gone.sum(axis=0))
+    if not np.all(np.isfinite(runs)):
+        raise ConvergenceError(
+            "the path stays longer than any number says: take a shorter arc, or raise the noise"
+        )
     laws = np.random.default_rng(1).uniform(size=(2, chain.theta.size))
     for _ in range(_ROUNDS):
         laws = laws @ runs

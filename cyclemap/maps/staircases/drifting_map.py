@@ -128,9 +128,8 @@ class DriftingMap:
         """The linear blend of maps given as (cycle, map) pairs, in order of the cycles."""
         if not len(knots) or any(len(pair) != 2 for pair in knots):
             raise InvalidInput("knots must be a list of pairs (cycle, map), at least one")
-        return cls(
-            np.array([pair[0] for pair in knots], dtype=float), tuple(pair[1] for pair in knots)
-        )
+        cycles, maps = zip(*knots, strict=True)
+        return cls(np.array(cycles, dtype=float), maps)
 
     @classmethod
     def of_family(
@@ -181,18 +180,17 @@ class DriftingMap:
             raise InvalidInput(
                 f"family is {family!r}: give a callable that turns a parameter into a CircleMap"
             )
-        given = schedule
-        if not callable(given):
-            values = finite_array("schedule", given)
+        parameter_at = schedule
+        if not callable(parameter_at):
+            values = finite_array("schedule", parameter_at)
             if values.ndim == 0 or values.shape[0] < count:
                 raise InvalidInput(
                     f"schedule has shape {values.shape}: it needs one entry for each of {count} "
                     "cycles"
                 )
-            given = values.__getitem__
-        return _fitted(
-            lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance)
-        )
+            parameter_at = values.__getitem__
+        accepted = positive_number("tolerance", tolerance)
+        return _fitted(lambda n: family(parameter_at(n)), count - 1, accepted)
 
     def at(self, cycle: float) -> CircleMap:
         """The map frozen at ``cycle`` (any real number)."""

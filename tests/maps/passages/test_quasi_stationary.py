@@ -131,5 +131,7 @@ def test_bad_requests_are_refused():
         quasi_stationary(STICKY, WrappedNormal(0.3), (1.0,))
     with pytest.raises(InvalidInput, match="the noise is None"):
         quasi_stationary(STICKY, None, ARC)
+    with pytest.raises(ConvergenceError, match="longer than any number"):
+        quasi_stationary(STICKY, WrappedNormal(0.02), (-3.0, 3.0))
     with pytest.raises(ConvergenceError, match="several parts"):
         quasi_stationary(TWO_WELLS, WrappedNormal(0.05), (0.3 - np.pi / 2, 1.5 * np.pi - 0.3))
