@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from cyclemap import file_text
 from cyclemap.written import (
     DEGREES,
     MILLIMETRES,
@@ -158,4 +157,4 @@ def millimetres(metres: float) -> float:
     >>> millimetres(0.01378)
     13.78
     """
-    return float(file_text.MILLIMETRES.written(metres))
+    return float(MILLIMETRES.written(metres))

@@ -389,8 +389,7 @@ def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
 
 def margin_report(margin: DirectionMargin) -> Json:
     """How far a setting is from a change of the stable directions, in the unit of its key."""
-    factor = float(SETTINGS[margin.key].unit.in_si)
-    unit = Unit("", lambda value: value / factor)
+    unit = Unit("", SETTINGS[margin.key].unit.of_si)
     return {
         **json_of(margin, "key", "value", "directions", unit=unit),
         "below": None if margin.below is None else _change(margin.below, unit),
