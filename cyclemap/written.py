@@ -175,6 +175,11 @@ def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER, **units
     return entries
 
 
+def json_text(report: Json) -> str:
+    """The text of a report, ending with a line break; NaN and infinities are refused."""
+    return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
 def rows(**columns: object) -> list[Json]:
     """Return columns of the same length as rows.
 

@@ -1,5 +1,5 @@
 """Where results go: files that appear whole or not at all, the terminal of people, and a bar for
-slow work.
+slow work; and what several commands report of the same things.
 """
 
 from __future__ import annotations
@@ -18,17 +18,30 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem as file_stem, write_whole
-from cyclemap.written import Json
+from cyclemap.written import (
+    MILLIMETRES,
+    Json,
+    degrees,
+    direction_deg,
+    json_of,
+    json_text,
+    rows,
+    written,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cyclemap.collection.loop import CollectionLoop
+    from cyclemap.collection.uncertain_directions import DirectionUncertainty
+    from cyclemap.evidence import MeasuredStaircase
+    from cyclemap.maps import Orbit, StepComparison, Steps
+    from cyclemap.mechanics import SidePush
+    from cyclemap.resets import ResetStrategy
 
 # What people are told: sentences and tables.
 Told = str | Text | Table
@@ -269,3 +282,110 @@ class PeopleConsole(Console):
         self.width = max(before, needed)
         self.print(table)
         self.width = before
+
+
+# -- what several commands report
+
+
+def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
+    """The strategy's actions, filled in by their loop, with their shares of the cycles."""
+    from cyclemap.views.reset_page import action_words
+
+    return [
+        {
+            "name": action_words(action),
+            "weight": written(share),
+            **push_report(acted.push),
+            "way_points_mm": [[*map(millimetres, place)] for place in acted.reset.way_points],
+            "gripper_turn_deg": degrees(action.turn),
+        }
+        for action, acted, share in zip(
+            strategy.actions, strategy.loops(loop), strategy.shares, strict=True
+        )
+    ]
+
+
+def push_report(push: SidePush) -> Json:
+    """How the rod pushes."""
+    return {
+        **json_of(push, "side", "fraction"),
+        "angle_deg": degrees(push.angle),
+        "push_mm": millimetres(push.distance),
+    }
+
+
+def orbit_report(orbit: Orbit) -> Json:
+    """Where a fixed point is, and whether it is stable."""
+    return {
+        "theta_deg": direction_deg(float(orbit.points[0])),
+        **json_of(orbit, "multiplier", "stable"),
+    }
+
+
+def uncertainty_report(known: DirectionUncertainty) -> Json:
+    """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares
+    are no chances.
+    """
+    return {
+        **json_of(known, "source", "method", "first_order_error", "samples", "locks"),
+        "chance_of_lock_in": known.chance if known.is_posterior else None,
+        **json_of(known, "directions"),
+    }
+
+
+def steps_report(steps: Steps) -> Json:
+    """The dwells and steps of a path."""
+    return {
+        **json_of(steps, "cycles", "climb"),
+        "steps": steps.count,
+        "heights_deg": degrees(steps.heights),
+        "dwells": rows(
+            first_cycle=steps.start,
+            cycles=steps.lengths,
+            level_deg=degrees(steps.levels),
+            censored=steps.censored,
+        ),
+    }
+
+
+def measured_report(measured: MeasuredStaircase) -> Json:
+    """A measured staircase, and what the map fitted to it predicts."""
+    report = steps_report(measured.steps)
+    foretold = measured.foretold
+    if foretold is None:
+        return {**report, "fitted": None, "problem": measured.problem, "comparison": None}
+    return {
+        **report,
+        "fitted": {
+            "harmonics": foretold.fitted.law.harmonics,
+            "pairs": foretold.fitted.pairs,
+            "noise_deg": degrees(foretold.fitted.sigma),
+            **json_of(foretold.prediction),
+        },
+        "problem": None,
+        "comparison": comparison_report(foretold.comparison),
+    }
+
+
+def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
+    """Steps and visits measured beside those predicted; of visits also their standard errors where
+    asked for.
+    """
+    means = ("mean", "standard_error") if errors else ("mean",)
+    visits = [
+        {
+            **json_of(visit.zone, "centre"),
+            **json_of(visit, "exits", *means, "predicted", "mean_p_value"),
+        }
+        for visit in comparison.visits
+    ]
+    return {**json_of(comparison, "net_steps", "expected_steps", "pace_p_value"), "visits": visits}
+
+
+def millimetres(metres: float) -> float:
+    """Return a length that was set in millimetres, in the digits it was set in.
+
+    >>> millimetres(0.01378)
+    13.78
+    """
+    return float(MILLIMETRES.written(metres))

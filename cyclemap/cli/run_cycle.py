@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import Any
 
 from cyclemap.cli.commands import CycleOptions, DynamicsOptions, ExperimentOptions, SimulateOptions
-from cyclemap.cli.json_report import actions_report
 from cyclemap.cli.output import (
     PeopleConsole,
+    actions_report,
     people_table,
     progress_bar,
     publish,

@@ -12,20 +12,18 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from cyclemap.cli.commands import FingerprintOptions, PortraitOptions, StaircaseOptions
-from cyclemap.cli.json_report import (
-    measured_report,
-    orbit_report,
-    steps_report,
-    uncertainty_report,
-)
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
+    measured_report,
+    orbit_report,
     people_table,
     progress_bar,
     publish,
     result_stem,
+    steps_report,
     styled,
+    uncertainty_report,
 )
 from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (

@@ -7,14 +7,16 @@ from pathlib import Path
 
 from cyclemap.arrays import Array
 from cyclemap.cli.commands import ResetOptions
-from cyclemap.cli.json_report import actions_report, measured_report, steps_report
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
+    actions_report,
+    measured_report,
     people_table,
     progress_bar,
     publish,
     result_stem,
+    steps_report,
     styled,
     with_ending,
 )

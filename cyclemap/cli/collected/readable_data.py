@@ -4,12 +4,11 @@ read as what is said.
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 
-from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.options import TableOptions
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import UnreadableFile, load_pushes
@@ -24,7 +23,21 @@ from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import file_stem, read_csv_table, write_whole
 from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import stream_page
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, written
 
+# What a push changes, what is known of it, and what these are written in.
+UNITS = {"dtheta": DEGREES, "dx": MILLIMETRES, "dy": MILLIMETRES}
+# The same where the unit is said elsewhere.
+PLAIN_UNITS = {name: Unit("", unit.of_si) for name, unit in UNITS.items()}
+FACT_UNITS = {
+    "surface": NUMBER,
+    "object": NUMBER,
+    "acceleration": Unit("mm_s2", MILLIMETRES.of_si),
+    "speed": Unit("mm_s", MILLIMETRES.of_si),
+    "side": NUMBER,
+    "fraction": NUMBER,
+    "angle": DEGREES,
+}
 # Facts by which pushes are selected, and the names of these in the files.
 SELECT_KEYS = {
     unit.named(fact): fact for fact, unit in FACT_UNITS.items() if fact != "acceleration"
@@ -159,3 +172,12 @@ def reasons_of(left_out: Sequence[UnreadableFile]) -> list[str]:
     named = [f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED]]
     more = len(left_out) - MOST_NAMED
     return [*named, f"and {more} more"] if more > 0 else named
+
+
+def facts_report(facts: Mapping[str, object], *left_out: str) -> Json:
+    """What the pushes of a set share, None where it is not known."""
+    return {
+        unit.named(name): written(facts.get(name), unit)
+        for name, unit in FACT_UNITS.items()
+        if name not in left_out
+    }

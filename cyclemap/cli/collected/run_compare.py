@@ -4,11 +4,16 @@ import math
 
 from rich.table import Table
 
-from cyclemap.cli.collected.readable_data import readable_data, selected_values
+from cyclemap.cli.collected.readable_data import (
+    PLAIN_UNITS,
+    UNITS,
+    facts_report,
+    readable_data,
+    selected_values,
+)
 from cyclemap.cli.collected.run_fit import QUANTITIES
 from cyclemap.cli.commands import CompareOptions
-from cyclemap.cli.json_report import PLAIN_UNITS, UNITS, comparison_report, facts_report
-from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import comparison_report, people_table, progress_bar, publish, result_stem
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare

@@ -9,9 +9,14 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.collected.readable_data import readable_data, reasons_of, selected_values
+from cyclemap.cli.collected.readable_data import (
+    UNITS,
+    facts_report,
+    readable_data,
+    reasons_of,
+    selected_values,
+)
 from cyclemap.cli.commands import FitOptions
-from cyclemap.cli.json_report import UNITS, facts_report
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,

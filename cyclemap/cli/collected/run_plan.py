@@ -15,17 +15,19 @@ from rich.table import Table
 from cyclemap.arrays import Array
 from cyclemap.cli.collected.readable_data import readable_tables
 from cyclemap.cli.commands import PlanOptions
-from cyclemap.cli.json_report import millimetres, push_report, uncertainty_report
 from cyclemap.cli.options import TableOptions, pair_in_metres, said_command
 from cyclemap.cli.output import (
     PeopleConsole,
     Told,
     file_stem,
+    millimetres,
     people_table,
     progress_bar,
     publish,
     publish_json,
+    push_report,
     styled,
+    uncertainty_report,
     with_ending,
 )
 from cyclemap.collection.loop import CollectionLoop

@@ -14,9 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.collected.readable_data import readable_data, reasons_of, selected_values
+from cyclemap.cli.collected.readable_data import (
+    FACT_UNITS,
+    PLAIN_UNITS,
+    UNITS,
+    readable_data,
+    reasons_of,
+    selected_values,
+)
 from cyclemap.cli.commands import ProbeOptions, ReplayOptions
-from cyclemap.cli.json_report import FACT_UNITS, PLAIN_UNITS, UNITS
 from cyclemap.cli.output import file_stem, people_table, progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
