@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from cyclemap.arrays import Array
     from cyclemap.protocol.chosen_loop import ChosenCollection
 
-_QUIET = "cyclemap.quiet"
 _ONE_MATERIAL = "give one material: a name or a TOML file, as MATERIAL or with --material"
 # Longer runs fill memory before they tell more.
 MOST_CYCLES = 1_000_000
@@ -285,7 +284,7 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
     for parameter in context.command.params:
         name = str(parameter.name)
         is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if not is_said or name in left_out or name not in context.params:
+        if not is_said or name in (*left_out, "quiet"):
             continue
         given = context.params[name]
         option = parameter.opts[:1]
@@ -324,20 +323,14 @@ def words_of(text: str) -> list[str]:
     return [word.strip() for word in text.split(",") if word.strip()]
 
 
-def quiet_option() -> click.Option:
-    """The option of every command that leaves its words and its progress unsaid; see `is_quiet`."""
-
-    def keep(context: click.Context, _: click.Parameter, value: bool) -> None:
-        context.meta[_QUIET] = value
-
-    words = "Say nothing but errors, warnings and --json."
-    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=words)
+# Of every command: it leaves words and progress unsaid.
+QUIET = click.Option(["--quiet"], is_flag=True, help="Say nothing but errors, warnings and --json.")
 
 
 def is_quiet() -> bool:
     """Whether the command that runs was given --quiet."""
     context = click.get_current_context(silent=True)
-    return context is not None and bool(context.meta.get(_QUIET))
+    return context is not None and bool(context.params.get("quiet"))
 
 
 # Letters of a line: what repeats its input may go on for ever.

@@ -55,9 +55,9 @@ _WIDE = 120
 _WORDS = 32
 
 
-def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None = None) -> Path:
-    """Return where results of a kind about a loop go, without an ending: named by its surface, and
-    by its object.
+def result_name(kind: str, loop: CollectionLoop, surface: str | None = None) -> str:
+    """Return the name of results of a kind about a loop, without an ending: by its surface, and by
+    its object.
 
     MIT's square, which the paper is about, goes unsaid.
     surface : in place of the material's name.
@@ -66,7 +66,7 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     >>> from cyclemap.mechanics import Slider
     >>> for shape in ("rect1", "hex"):
     ...     loop = CollectionLoop.mit("pu", slider=Slider.mit(shape))
-    ...     print(result_stem(Path(), "portrait", loop))
+    ...     print(result_name("portrait", loop))
     portrait_pu
     portrait_hex_on_pu
     """
@@ -76,12 +76,7 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     square = Slider.mit("rect1")
     where = file_stem(loop.material.name if surface is None else surface)
     is_square = (name, loop.slider.outline) == (square.name, square.outline)
-    return out / (f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}")
-
-
-def with_ending(stem: Path, ending: str) -> Path:
-    """Return where a file of some results goes: beside the others, under their name."""
-    return stem.with_name(f"{stem.name}{ending}")
+    return f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}"
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -115,17 +110,17 @@ def publish_json(report: Json, target: str | None) -> bool:
 def publish(
     report: Json,
     figure: Figure,
-    stem: Path,
     results: ResultOptions,
+    name: str,
     *words: Told,
     after: Sequence[str] = (),
     beside: Mapping[Path, bytes] | None = None,
 ) -> None:
-    """Write stem.json, the picture and files beside it, and send the report where --json says;
+    """Write NAME.json, the picture and files beside it, and send the report where --json says;
     unless it took the terminal, tell people the rest, where the picture is, and what comes after
     that.
     """
-    picture = write_result(report, figure, stem, results.format, beside)
+    picture = write_result(report, figure, results, name, beside)
     if not publish_json(report, results.json):
         PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
@@ -133,29 +128,27 @@ def publish(
 def write_result(
     report: Json,
     figure: Figure,
-    stem: Path,
-    picture_format: str,
+    results: ResultOptions,
+    name: str,
     beside: Mapping[Path, bytes] | None = None,
 ) -> Path:
-    """Write stem.json, the picture and files beside it, and return the picture's path."""
+    """Write NAME.json, the picture and files beside it, and return the picture's path."""
     from cyclemap.views.panels.layout import render
 
-    picture = with_ending(stem, f".{picture_format}")
+    picture = results.out / f"{name}.{results.format}"
     # All of the content is made before the first file is written.
-    results = {with_ending(stem, ".json"): _json_bytes(report)}
-    results[picture] = render(figure, picture_format)
-    for path, content in {**(beside or {}), **results}.items():
+    files = {**(beside or {}), results.out / f"{name}.json": _json_bytes(report)}
+    files[picture] = render(figure, results.format)
+    for path, content in files.items():
         write_whole(path, content)
     return picture
 
 
-def write_page(page: str, stem: Path) -> Path:
-    """Write a page as stem.html, tell people where, and return that."""
-    place = with_ending(stem, ".html")
+def write_page(page: str, place: Path) -> None:
+    """Write a page, and tell people where."""
     content = page.encode()
     write_whole(place, content)
     click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")
-    return place
 
 
 def styled(text: str, style: str) -> Text:

@@ -16,8 +16,7 @@ from cyclemap.cli.output import (
     progress_bar,
     publish,
     publish_json,
-    result_stem,
-    with_ending,
+    result_name,
     write_json,
 )
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
@@ -81,8 +80,7 @@ def run_cycle(asked: CycleOptions) -> None:
         all_rows += [{**row, **more} for row in of_loop]
     report: Json = {"cycles": all_rows}
     if asked.out is not None:
-        stem = result_stem(asked.out, "cycles", chosen.loop)
-        write_json(with_ending(stem, ".json"), report)
+        write_json(asked.out / f"{result_name('cycles', chosen.loop)}.json", report)
     if not publish_json(report, asked.json):
         for table in tables:
             PeopleConsole().print_table(table)
@@ -179,8 +177,8 @@ def run_dynamics(asked: DynamicsOptions) -> None:
     publish(
         as_json,
         dynamics_page(material, isotropic),
-        result_stem(asked.results.out, "dynamics", chosen),
         asked.results,
+        result_name("dynamics", chosen),
         *words,
         table,
     )
@@ -219,8 +217,8 @@ def run_experiment(asked: ExperimentOptions) -> None:
     publish(
         as_json,
         page.experiment_page(experiment),
-        result_stem(asked.results.out, "experiment", loop),
         asked.results,
+        result_name("experiment", loop),
         page.experiment_headline(experiment),
         page.spread_sentence(experiment),
         page.isotropic_sentence(experiment),

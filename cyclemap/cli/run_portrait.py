@@ -20,7 +20,7 @@ from cyclemap.cli.output import (
     people_table,
     progress_bar,
     publish,
-    result_stem,
+    result_name,
     steps_report,
     styled,
     uncertainty_report,
@@ -82,8 +82,8 @@ def run_portrait(asked: PortraitOptions) -> None:
     publish(
         report,
         portrait_page.portrait_page(drawn, portrait_curves(drawn), measured),
-        result_stem(asked.results.out, "portrait", loop),
         asked.results,
+        result_name("portrait", loop),
         *_lines(drawn, measured, margins),
     )
 
@@ -212,8 +212,8 @@ def run_staircase(asked: StaircaseOptions) -> None:
     publish(
         staircase_report(forecast, measured),
         portrait_page.staircase_page(forecast, measured),
-        result_stem(asked.results.out, "staircase", loop),
         asked.results,
+        result_name("staircase", loop),
         portrait_page.forecast_sentence(forecast),
         portrait_page.worn_sentence(forecast),
         portrait_page.run_sentence(forecast),
@@ -279,8 +279,8 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     publish(
         as_json,
         fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
-        result_stem(asked.results.out, "fingerprint", loop, name),
         asked.results,
+        result_name("fingerprint", loop, name),
         *lines,
         fingerprint_page.bow_sentence(numbers, bow) if bow else "",
         sentences.uncertainty_sentence(name, known),

@@ -10,7 +10,7 @@ from pathlib import Path
 from cyclemap.cli.collected.readable_data import readable_data
 from cyclemap.cli.commands import ExploreOptions, ReportOptions
 from cyclemap.cli.options import said_command
-from cyclemap.cli.output import progress_bar, result_stem, write_page
+from cyclemap.cli.output import progress_bar, result_name, write_page
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data, measured_pairs
 from cyclemap.maps import WrappedNormal
@@ -77,7 +77,7 @@ def run_report(asked: ReportOptions) -> None:
         downloads=downloads,
         provenance=provenance_of(drawn, command, inputs),
     )
-    write_page(page, result_stem(asked.out, "report", chosen.loop))
+    write_page(page, asked.out / f"{result_name('report', chosen.loop)}.html")
 
 
 def _what_to_do(
@@ -145,6 +145,7 @@ def run_explore(asked: ExploreOptions) -> None:
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
         drawn = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
     page = page_html(drawn, 0.0, (surface,), chosen.settings, pairs=pairs)
-    place = write_page(page, result_stem(asked.out, "explore", chosen.loop))
+    place = asked.out / f"{result_name('explore', chosen.loop)}.html"
+    write_page(page, place)
     if asked.browser:
         webbrowser.open(place.resolve().as_uri())

@@ -15,10 +15,9 @@ from cyclemap.cli.output import (
     people_table,
     progress_bar,
     publish,
-    result_stem,
+    result_name,
     steps_report,
     styled,
-    with_ending,
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
@@ -83,10 +82,10 @@ def run_reset(asked: ResetOptions) -> None:
             seed=asked.seed,
             progress=report,
         )
-    stem = result_stem(asked.results.out, "reset", chosen.loop)
+    name = result_name("reset", chosen.loop)
     strategy = design.chosen.strategy
-    protocol = with_ending(stem, ".toml")
-    schedule = with_ending(stem, ".csv")
+    protocol = asked.results.out / f"{name}.toml"
+    schedule = asked.results.out / f"{name}.csv"
     write_protocol(
         protocol, design.loop, strategy, noise=chosen.noise, predicted=_predicted(design.chosen)
     )
@@ -94,8 +93,8 @@ def run_reset(asked: ResetOptions) -> None:
     publish(
         _report(design, protocol, schedule),
         reset_page(design),
-        stem,
         asked.results,
+        name,
         *_lines(design),
         after=(f"protocol: {protocol}", f"schedule: {schedule}"),
     )
@@ -222,8 +221,8 @@ def run_strategy_portrait(
     publish(
         as_json,
         strategy_page(words, loop, strategy, theta, measured, turns, law),
-        result_stem(asked.results.out, "portrait", loop),
         asked.results,
+        result_name("portrait", loop),
         *words,
     )
 
@@ -271,8 +270,8 @@ def run_strategy_staircase(
     publish(
         as_json,
         strategy_page(words, loop, strategy, theta, data),
-        result_stem(asked.results.out, "staircase", loop),
         asked.results,
+        result_name("staircase", loop),
         *words,
     )
 

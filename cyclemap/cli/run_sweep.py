@@ -15,9 +15,8 @@ from cyclemap.cli.output import (
     PeopleConsole,
     progress_bar,
     publish_json,
-    result_stem,
+    result_name,
     styled,
-    with_ending,
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
@@ -56,8 +55,8 @@ def run_sweep(asked: SweepOptions) -> None:
         if MATERIAL_KEY in plan.keys
         else plan.materials[""].name
     )
-    stem = result_stem(asked.results.out, "sweep", _object_loop(plan), name)
-    store = with_ending(stem, ".sqlite")
+    results = asked.results
+    store = results.out / f"{result_name('sweep', _object_loop(plan), name)}.sqlite"
     if asked.status:
         now = sweeps.sweep_status(store, plan)
         done = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"

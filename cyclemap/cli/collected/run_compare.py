@@ -13,7 +13,7 @@ from cyclemap.cli.collected.readable_data import (
 )
 from cyclemap.cli.collected.run_fit import QUANTITIES
 from cyclemap.cli.commands import CompareOptions
-from cyclemap.cli.output import comparison_report, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import comparison_report, people_table, progress_bar, publish, result_name
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
@@ -57,8 +57,8 @@ def run_compare(asked: CompareOptions) -> None:
     publish(
         compare_report(name, compared),
         compare_page(name, compared, turn_curve(compared.prediction.map_at(compared.middle))),
-        result_stem(asked.results.out, "compare", loop),
         asked.results,
+        result_name("compare", loop),
         headline(name, compared),
         data_sentence(compared),
         *compared.data.reading,

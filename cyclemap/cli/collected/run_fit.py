@@ -89,8 +89,8 @@ def run_fit(asked: FitOptions) -> None:
                 )
             )
     for fit in (fit for fit in fits if not fit.is_empty):
-        stem = results.out / f"fit_{file_stem(fit.pushes.name)}"
-        pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.format))
+        name = f"fit_{file_stem(fit.pushes.name)}"
+        pictures.append(write_result(set_report(fit), fit_page(fit), results, name))
     if publish_json(fit_report(pushes, fits), results.json):
         return
     _tell(pushes, fits, pictures)

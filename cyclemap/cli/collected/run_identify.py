@@ -174,8 +174,8 @@ def _conclude(
     publish(
         identify_report(material, data.notes, identified, derived),
         page,
-        results.out / f"identify_{stem}",
         results,
+        f"identify_{stem}",
         answer,
         *(f"data: {note}" for note in data.notes),
         parameter_table(identified),

@@ -28,7 +28,6 @@ from cyclemap.cli.output import (
     push_report,
     styled,
     uncertainty_report,
-    with_ending,
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
@@ -63,12 +62,13 @@ def run_plan(asked: PlanOptions) -> None:
     step = _orientation_step(asked.grid)
     room = _room(asked.room_mm)
     loop = chosen_loop(asked.floor, asked.object_file, asked.settings).loop
-    stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
+    out = asked.results.out
+    name = f"plan_{file_stem(loop.slider.name)}"
     within = math.radians(asked.until_deg)
     as_json: Json = {}
     sentences: list[Told] = []
     if asked.after:
-        floor = with_ending(stem, "_measured.toml")
+        floor = out / f"{name}_measured.toml"
         measured = _measured(asked, loop, floor)
         as_json = measured_report(measured, within)
         sentences += measured_sentences(measured, within)
@@ -81,14 +81,14 @@ def run_plan(asked: PlanOptions) -> None:
     plan = _planned(asked, loop, step, room)
     headline, *others = plan_sentences(plan)
     content = table_to_fill(plan, asked.by or ("pose" if step is None else "corners"), asked.excel)
-    table = _unused(stem, ".xlsx" if asked.excel else ".csv", content)
-    robot = table.with_name(f"{table.stem}_robot.csv")
+    table = _unused(out / name, ".xlsx" if asked.excel else ".csv", content)
+    robot = out / f"{table.stem}_robot.csv"
     following = shlex.join([*said_command("json"), "--after", str(table)])
     publish(
         {**plan_report(plan), **as_json},
         plan_page(plan),
-        table.with_suffix(""),
         asked.results,
+        table.stem,
         *sentences,
         styled(headline, "bold"),
         *others,
@@ -165,11 +165,11 @@ def _unused(stem: Path, suffix: str, content: bytes) -> Path:
     """Where a table goes that is not there yet, so that one that was filled in is never written
     over.
     """
-    path = with_ending(stem, suffix)
+    path = stem.with_name(f"{stem.name}{suffix}")
     count = 1
     while path.exists() and path.read_bytes() != content:
         count += 1
-        path = with_ending(stem, f"_{count}{suffix}")
+        path = stem.with_name(f"{stem.name}_{count}{suffix}")
     return path
 
 

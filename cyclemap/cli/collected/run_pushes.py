@@ -23,7 +23,7 @@ from cyclemap.cli.collected.readable_data import (
     selected_values,
 )
 from cyclemap.cli.commands import ProbeOptions, ReplayOptions
-from cyclemap.cli.output import file_stem, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import file_stem, people_table, progress_bar, publish, result_name
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import load_pushes
@@ -98,8 +98,8 @@ def run_replay(asked: ReplayOptions) -> None:
     publish(
         replay_report(replayed, material.name, loop.pusher.friction, notes),
         replay_page(replayed, material.name),
-        result_stem(asked.results.out, "replay", loop),
         asked.results,
+        result_name("replay", loop),
         replay_headline(replayed),
         people_table("Error at the end, by object (means)", COLUMNS, errors, words=(0, 1)),
         *(f"note: {note}" for note in notes),
@@ -179,7 +179,6 @@ def _rows(table: pandas.DataFrame) -> list[Json]:
 def run_probe(asked: ProbeOptions) -> None:
     """Probe what is asked for, draw it, and print it for people or as JSON."""
     probed = _probed(asked)
-    results = asked.results
     report = {
         "pushes": len(probed.theta),
         **json_of(probed, "found", "p_value"),
@@ -191,7 +190,7 @@ def run_probe(asked: ProbeOptions) -> None:
         **json_of(probed, "explained"),
         "locks_at_deg": degrees(probed.stable) if probed.found else [],
     }
-    publish(report, probe_page(probed), results.out / "probe", results, *probe_sentences(probed))
+    publish(report, probe_page(probed), asked.results, "probe", *probe_sentences(probed))
 
 
 def _harmonic(harmonic: Harmonic) -> Json:

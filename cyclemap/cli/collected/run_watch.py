@@ -213,8 +213,7 @@ def _conclude(
         "multiplier": written(rest),
     }
     figure = page.watch_page(monitor, reports, file.name)
-    stem = results.out / f"watch_{file_stem(file.stem)}"
-    picture = write_result(as_json, figure, stem, results.format)
+    picture = write_result(as_json, figure, results, f"watch_{file_stem(file.stem)}")
     if quiet or publish_json(as_json, results.json):
         return
     PeopleConsole().tell(
@@ -264,8 +263,8 @@ def run_audit(asked: AuditOptions) -> None:
     publish(
         as_json,
         audit_page(audited),
-        asked.results.out / f"audit_{file_stem(data.stem)}",
         asked.results,
+        f"audit_{file_stem(data.stem)}",
         audit_headline(audited),
         audit_paragraph(audited),
     )
