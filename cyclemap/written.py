@@ -235,7 +235,7 @@ def toml_text(
     """
     lines = [f"# {line}".rstrip() for comment in comments for line in comment.splitlines() or [""]]
     for name, table in tables.items():
-        lines += ["", f"[{_key(name)}]", *_body(_key(name), table, notes or {})]
+        lines += ["", f"[{toml_key(name)}]", *_body(toml_key(name), table, notes or {})]
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
@@ -251,36 +251,39 @@ def _body(path: str, table: Table, notes: Mapping[str, str]) -> Iterator[str]:
     for key, value in table.items():
         if key not in nested:
             yield from [f"# {notes[key]}"] if key in notes else []
-            yield f"{_key(key)} = {_value(value)}"
+            yield f"{toml_key(key)} = {toml_value(value)}"
     for key, rows in nested.items():
-        inner = f"{path}.{_key(key)}"
+        inner = f"{path}.{toml_key(key)}"
         for row in rows:
             yield from ("", f"[[{inner}]]", *_body(inner, row, {}))
 
 
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        # A basic string is that of JSON, which leaves one control character as it is.
+def toml_value(value: object) -> str:
+    """Return a value as TOML has it; InvalidInput for what it cannot have.
+
+    >>> toml_value([True, 0.5, "rust"])
+    '[true, 0.5, "rust"]'
+    """
+    if isinstance(value, (bool, int, str)):
+        # As in JSON, which leaves one control character as it is.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Decimal):
         return decimal_text(value)
-    if isinstance(value, (int, float)):
-        return repr(value)
+    if isinstance(value, float):
+        return float.__repr__(value)
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_value, value))}]"
+        return f"[{', '.join(map(toml_value, value))}]"
     if isinstance(value, Mapping):
-        return (
-            f"{{ {', '.join(f'{_key(key)} = {_value(entry)}' for key, entry in value.items())} }}"
-        )
+        entries = (f"{toml_key(key)} = {toml_value(entry)}" for key, entry in value.items())
+        return f"{{ {', '.join(entries)} }}"
     raise InvalidInput(
         f"{value!r} cannot be written as TOML: give a text, number, boolean, list or table"
     )
 
 
-def _key(name: str) -> str:
-    return name if _BARE_KEY.fullmatch(name) else _value(name)
+def toml_key(name: str) -> str:
+    """Return a name as the key of a table."""
+    return name if _BARE_KEY.fullmatch(name) else toml_value(name)
 
 
 def with_checksum(text: str) -> str:
