@@ -159,7 +159,7 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes
-        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), "recorded pushes")
+        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), label="recorded pushes")
     degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
     entitle(push, "Push")

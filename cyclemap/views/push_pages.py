@@ -138,7 +138,7 @@ def probe_page(probe: Probe) -> Figure:
     # The mean motion is free in the fit: it is what the object rests on, not the direction.
     mimicked += probe.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
     for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
-        draw_outcome(axes, probe.theta, probe.change[:, column], outcome, "probed")
+        draw_outcome(axes, probe.theta, probe.change[:, column], outcome, label="probed")
         title, _, scale, _ = orientation.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
         axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **LINE)

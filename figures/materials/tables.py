@@ -226,7 +226,8 @@ def deviation_caption(result: list[MaterialPushes]) -> str:
 
 
 def _not_recorded(materials: list[MaterialPushes]) -> str:
-    return not_found("pushes", [each.published.material for each in materials if not each.recorded])
+    absent = [each.published.material for each in materials if len(each.sets) == len(each.runs)]
+    return not_found("pushes", absent)
 
 
 _ERRORS = [

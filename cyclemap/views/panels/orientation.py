@@ -117,17 +117,15 @@ def draw_intervals(axes: Axes, known: Sequence[DirectionInterval]) -> None:
                 axes.axvspan(*band, label="may lie here", **{**BAND, "zorder": 0})
 
 
-def draw_measured(axes: Axes, theta: Array, value: Array, name: str = "measured") -> None:
+def draw_measured(axes: Axes, theta: Array, value: Array, **look: Any) -> None:
     """Measured values over orientations (rad), a light dot each."""
-    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, label=name, **DOTS)
+    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, **{**DOTS, "label": "measured", **look})
 
 
-def draw_outcome(
-    axes: Axes, theta: Array, values: Array, outcome: str, name: str = "measured"
-) -> None:
+def draw_outcome(axes: Axes, theta: Array, values: Array, outcome: str, **look: Any) -> None:
     """Measured values (SI) of an outcome of pushes over orientations (rad)."""
     _, label, scale, _ = OUTCOMES[outcome]
-    draw_measured(axes, theta, scale * values, name)
+    draw_measured(axes, theta, scale * values, **look)
     degree_axis(axes)
     axes.set_ylabel(label)
 
