@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import Normal, Stroke
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from cyclemap.arrays import TWO_PI, Array, Mask
@@ -293,8 +293,8 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
             label=label,
         )
         if censored:
-            bar.set(color=UNSTABLE, linewidth=2.2)
-            bar.set_path_effects([Stroke(linewidth=5.0, foreground=INK), Normal()])
+            rim = withStroke(linewidth=5.0, foreground=INK)
+            bar.set(color=UNSTABLE, linewidth=2.2, path_effects=[rim])
         if steps.levels.size <= MOST_NAMED:
             name_beside_path(axes, start, end, height, angle(level), steps.climb >= 0.0)
     turning = f" less {360 * winding}° a cycle" if winding else ""
