@@ -228,7 +228,7 @@ def _digest(text: str) -> str:
 
 
 def _file(name: str) -> str:
-    return resources.files("cyclemap.views.explorer").joinpath(name).read_text(encoding="utf-8")
+    return (resources.files("cyclemap.views") / "explorer" / name).read_text(encoding="utf-8")
 
 
 def slider_values(loop: CollectionLoop, sigma: float) -> dict[str, float]:
