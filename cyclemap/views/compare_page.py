@@ -33,7 +33,7 @@ from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import entitle, page, rows_of
 from cyclemap.views.panels.orientation import OUTCOMES, draw_measured, draw_outcome, draw_staircase
 from cyclemap.views.panels.style import DOTS, LINE, PREDICTED, ZERO, degree_axis, picture_style, say
-from cyclemap.views.sentences import angle, rounded
+from cyclemap.views.sentences import angle, counted, rounded
 
 # Fewer medians make no line.
 FEWEST_MEDIANS = 12
@@ -158,9 +158,8 @@ def data_sentence(comparison: Comparison) -> str:
     """What was compared, and what was left out."""
     pushes = sum(agreement.count for agreement in comparison.pushes)
     cycles = 0 if comparison.data.pairs is None else comparison.data.pairs.theta.size
-    used = [f"{pushes} push{'es' * (pushes > 1)} with end poses"] * bool(pushes) + [
-        f"{cycles} cycles"
-    ] * bool(cycles)
+    used = [f"{counted(pushes, 'push', 'es')} with end poses"] * bool(pushes)
+    used += [f"{cycles} cycles"] * bool(cycles)
     out = [f"{count} ({reason})" for reason, count in comparison.data.left_out.items() if count]
     files = [f"{comparison.data.unreadable} unreadable files"] * bool(comparison.data.unreadable)
     left = f"; left out: {', '.join(out + files)}" if out or files else ""

@@ -35,7 +35,7 @@ from cyclemap.views.panels.style import (
     ZERO,
     picture_style,
 )
-from cyclemap.views.sentences import angle, orientation_and_push
+from cyclemap.views.sentences import angle, counted, orientation_and_push
 
 # Samples drawn, and pushes shown: the first ones tell what was taken for what.
 _MOST_SAMPLES, _MOST_PUSHES = 4000, 12
@@ -161,7 +161,7 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     """How many pushes were replayed and how far off they end, in a sentence."""
     error, turn_error = replayed.mean_errors
     count, left_out = len(replayed.table), len(replayed.not_replayed)
-    also = f"; {left_out} file{'s' * (left_out != 1)} could not be" if left_out else ""
+    also = f"; {counted(left_out, 'file')} could not be" if left_out else ""
     ends = "ends" if count == 1 else "they end"
     who = "1 push replayed: it" if count == 1 else f"{count} pushes replayed:"
     return f"{who} {ends} {1e3 * error:.1f} mm and {angle(turn_error)} off on average{also}."
