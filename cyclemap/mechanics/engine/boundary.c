@@ -165,16 +165,18 @@ static void add_rims(Pressed *at, const double *semi, const Stop *from, double t
     double x = from->at[X], y = from->at[Y];
     for (int i = 0; i < count; ++i) {
         double middle_x = c * x - s * y, middle_y = c * y + s * x;
-        Arc arc = {
-            .a = {semi[X] * x, semi[Y] * y},
-            .c = {semi[X] * middle_x / c, semi[Y] * middle_y / c},
-            .weight = c,
+        double arc[CURVE_SIZE] = {
+            [CURVE_START_X] = semi[X] * x,
+            [CURVE_START_Y] = semi[Y] * y,
+            [CURVE_MIDDLE_X] = semi[X] * middle_x / c,
+            [CURVE_MIDDLE_Y] = semi[Y] * middle_y / c,
+            [CURVE_WEIGHT] = c,
         };
         x = c * middle_x - s * middle_y;
         y = c * middle_y + s * middle_x;
-        arc.b[X] = semi[X] * x;
-        arc.b[Y] = semi[Y] * y;
-        put_arc(at, &arc);
+        arc[CURVE_END_X] = semi[X] * x;
+        arc[CURVE_END_Y] = semi[Y] * y;
+        put_arc(&at->arcs, arc);
     }
 }
 
@@ -308,7 +310,14 @@ static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, do
             place_at(k, branch_at(k, v, side), v, &middle);
             is_begun = is_inside(pressure, middle.at[X], middle.at[Y]);
         }
-        if (is_begun && high->v > low->v) add_arc(at, from->at, to->at);
+        if (!is_begun || !(high->v > low->v)) continue;
+        const double arc[CURVE_SIZE] = {
+            [CURVE_START_X] = from->at[X],
+            [CURVE_START_Y] = from->at[Y],
+            [CURVE_END_X] = to->at[X],
+            [CURVE_END_Y] = to->at[Y],
+        };
+        put_arc(&at->arcs, arc);
     }
 }
 
@@ -352,7 +361,7 @@ static int cut(const Pressure *pressure, Pressed *at) {
     Places crossings;
     crossings.count = 0;
     const double *outline = pressure->outline;
-    at->has_moments = at->has_slopes = at->side_count = at->arc_count = at->nodes.count = 0;
+    at->has_moments = at->has_slopes = at->side_count = at->arcs.count = 0;
     if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
     double first = pressure_at(at->pressure, outline[X], outline[Y]);
     for (int64_t i = 0; i < pressure->side_count; ++i) {
@@ -363,10 +372,13 @@ static int cut(const Pressure *pressure, Pressed *at) {
         first = last;
     }
     int has_room = crossings.count <= MOST_PLACES - 4;
+    int rim_count = at->arcs.count;
     if (has_room) cut_inside(pressure, at, &crossings);
-    if (at->side_count > MOST_SIDES || at->arc_count > MOST_ARCS) has_room = 0;
+    if (at->arcs.count <= MOST_ARCS) bend_arcs(at, rim_count);
+    halve_arcs(&at->arcs, rim_count);
+    if (at->side_count > MOST_SIDES || at->arcs.count > MOST_ARCS) has_room = 0;
     if (!has_room) {
-        at->side_count = at->arc_count = at->nodes.count = 0;
+        at->side_count = at->arcs.count = 0;
         forget_pressure(at);
     }
     for (int k = 0; k < EDGE_SIZE; ++k)

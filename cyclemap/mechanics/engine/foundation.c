@@ -68,22 +68,6 @@ static ALWAYS_INLINE void add_monomials(Wide *m, Wide x, Wide y, Wide cross) {
     m[OF_YYY] += fy * yy;
 }
 
-static ALWAYS_INLINE Wide taken(const double *from) {
-    Wide x;
-    memcpy(&x, from, sizeof x);
-    return x;
-}
-
-/* One for the first so many, nought after them. */
-static ALWAYS_INLINE Wide ones(int count) {
-    static const double of[2 * WIDTH] = {1.0, 1.0, 1.0, 1.0};
-    return taken(of + WIDTH - (count < WIDTH ? count : WIDTH));
-}
-
-static ALWAYS_INLINE double summed(const Wide *x) {
-    return ((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3]);
-}
-
 /* Of the contact. Along a side Gauss's rule of two nodes is exact. */
 static WIDENED void take_moments(Pressed *at) {
     static const double places[] = {0.21132486540518711775, 0.78867513459481288225};
@@ -96,10 +80,14 @@ static WIDENED void take_moments(Pressed *at) {
         share *= ones(at->side_count - i);
         for (int j = 0; j < 2; ++j) add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
-    const Nodes *nodes = &at->nodes;
-    for (int i = 0; i < nodes->count; i += WIDTH) {
-        Wide x = taken(nodes->x + i), y = taken(nodes->y + i);
-        add_monomials(m, x, y, x * taken(nodes->dy + i) - y * taken(nodes->dx + i));
+    for (int i = 0; i < at->arcs.count; ++i) {
+        Curve curve = curve_of(&at->arcs, i);
+        int rule = arc_rule(curve.weight, at->digits);
+        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += WIDTH) {
+            Shares of = shares_at(curve.weight, j);
+            Wide x = place_on(&curve, &of, X), y = place_on(&curve, &of, Y);
+            add_monomials(m, x, y, cone_on(&curve, &of));
+        }
     }
     for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = summed(m + k);
     at->has_moments = 1;
