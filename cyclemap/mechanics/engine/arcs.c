@@ -190,25 +190,48 @@ static inline Curve curve_of(const Arcs *arcs, int i) {
     return k;
 }
 
-/* What places at s on an arc take of a, c and b, and of its vector products. */
+/* What nodes on an arc take of a, c and b, before that is divided by `whole`; and of its vector
+   products, times a share. */
 typedef struct {
-    Wide a, c, b, ac, ab, cb;
+    Wide begun, bent, ended, whole, down, both, share;
 } Shares;
 
 /* Nodes j on of a rule. */
 static ALWAYS_INLINE Shares shares_at(double weight, int j) {
-    Wide s = taken(BOUNDARY_NODES + j), t = 1.0 - s;
-    Wide begun = t * t, both = s * t, ended = s * s, bent = 2.0 * weight * both;
-    Wide down = 1.0 / (begun + bent + ended);
-    Wide of = down * down * taken(BOUNDARY_WEIGHTS + j);
-    return (Shares){begun * down, bent * down, ended * down, begun * of, both * of, ended * of};
+    Shares of = {.begun = taken(BEGUN + j), .ended = taken(ENDED + j), .both = taken(BOTH + j)};
+    of.bent = 2.0 * weight * of.both;
+    of.whole = of.begun + of.bent + of.ended;
+    of.down = 1.0 / of.whole;
+    of.share = of.down * of.down * taken(BOUNDARY_WEIGHTS + j);
+    return of;
 }
 
 static ALWAYS_INLINE Wide place_on(const Curve *k, const Shares *of, int j) {
-    return of->a * k->a[j] + of->c * k->c[j] + of->b * k->b[j];
+    return of->begun * k->a[j] + of->bent * k->c[j] + of->ended * k->b[j];
 }
 
 /* x dy - y dx, by the weights of the nodes. */
 static ALWAYS_INLINE Wide cone_on(const Curve *k, const Shares *of) {
-    return of->ac * k->ac + of->ab * k->ab + of->cb * k->cb;
+    return (of->begun * k->ac + of->both * k->ab + of->ended * k->cb) * of->share;
+}
+
+/* Arcs with their nodes, WIDTH a stretch: so that one loop sums them all, whatever their rules. */
+enum { LONGEST = LONGEST_RULE / WIDTH, MOST_STRETCHES = ARC_ROOM * LONGEST };
+typedef struct {
+    int curve_count, count;
+    Curve curves[ARC_ROOM];
+    struct {
+        int curve, node;
+    } of[MOST_STRETCHES];
+} Stretches;
+
+/* All that the longest rule has are written, those of its own are counted: nothing to mispredict. */
+static ALWAYS_INLINE void put_stretches(Stretches *to, const Arcs *arcs, int i, int rule) {
+    int first = BOUNDARY_FIRST[rule];
+    for (int k = 0; k < LONGEST; ++k) {
+        to->of[to->count + k].curve = to->curve_count;
+        to->of[to->count + k].node = first + WIDTH * k;
+    }
+    to->count += (BOUNDARY_FIRST[rule + 1] - first) / WIDTH;
+    to->curves[to->curve_count++] = curve_of(arcs, i);
 }

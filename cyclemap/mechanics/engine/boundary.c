@@ -280,14 +280,17 @@ static void place_at(const Conic *k, double u, double v, Place *place) {
     *place = (Place){u, v, {x, y}, IS_INNER};
 }
 
-/* Where the conic goes from one branch to the other, inside the outline. */
-static int turns_of(const Pressure *pressure, const Conic *k, Place *turns) {
+/* Where the conic goes from one branch to the other, inside the outline; and of an ellipse its half
+   width along v, of which arcs may span this much without being parted. */
+static const double WIDEST_ARC = 1.8;
+static int turns_of(const Pressure *pressure, const Conic *k, Place *turns, double *width) {
     double square = -4.0 * k->a * k->d, linear = -4.0 * k->a * k->e;
     double level = k->b * k->b - 4.0 * k->a * k->c, inside = linear * linear - 4.0 * square * level;
     if (!(inside > 0.0)) return 0;
     double down = -0.5 * (linear + copysign(sqrt(inside), linear));
     const double at[] = {level / down, down / square};
     int count = 0;
+    if (k->a * k->d > 0.0) *width = 0.5 * fabs(at[1] - at[0]);
     for (int i = 0; i < 2; ++i) {
         place_at(k, -k->b / (2.0 * k->a), at[i], turns + count);
         if (is_inside(pressure, turns[count].at[X], turns[count].at[Y])) ++count;
@@ -295,10 +298,20 @@ static int turns_of(const Pressure *pressure, const Conic *k, Place *turns) {
     return count;
 }
 
+static void put_ends(Pressed *at, const Place *from, const Place *to) {
+    const double arc[CURVE_SIZE] = {
+        [CURVE_START_X] = from->at[X],
+        [CURVE_START_Y] = from->at[Y],
+        [CURVE_END_X] = to->at[X],
+        [CURVE_END_Y] = to->at[Y],
+    };
+    put_arc(&at->arcs, arc);
+}
+
 /* The arcs between the places of one branch, on which P > 0 on the left; u grows with P where
    `side` is 1, so that v falls along it there, and grows on the other. */
 static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, double side,
-                       Places *branch) {
+                       double width, const Places *branch) {
     for (int i = 0; i + 1 < branch->count; ++i) {
         const Place *low = branch->of + i, *high = low + 1;
         const Place *from = side > 0.0 ? high : low, *to = side > 0.0 ? low : high;
@@ -311,13 +324,14 @@ static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, do
             is_begun = is_inside(pressure, middle.at[X], middle.at[Y]);
         }
         if (!is_begun || !(high->v > low->v)) continue;
-        const double arc[CURVE_SIZE] = {
-            [CURVE_START_X] = from->at[X],
-            [CURVE_START_Y] = from->at[Y],
-            [CURVE_END_X] = to->at[X],
-            [CURVE_END_Y] = to->at[Y],
-        };
-        put_arc(&at->arcs, arc);
+        double halfway = -k->e / (2.0 * k->d);
+        if (high->v - low->v > WIDEST_ARC * width && low->v < halfway && halfway < high->v) {
+            Place middle;
+            place_at(k, branch_at(k, halfway, side), halfway, &middle);
+            put_ends(at, from, &middle);
+            put_ends(at, &middle, to);
+        } else
+            put_ends(at, from, to);
     }
 }
 
@@ -327,7 +341,8 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
     /* what does not cross the outline is closed, an ellipse */
     if (!crossings->count && !(k.a * k.d > 0.0)) return;
     Place turns[2];
-    int turn_count = turns_of(pressure, &k, turns);
+    double width = INFINITY;
+    int turn_count = turns_of(pressure, &k, turns, &width);
     if (!crossings->count && !turn_count) return;
     for (double side = -1.0; side <= 1.0; side += 2.0) {
         Places branch;
@@ -340,14 +355,8 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
             int is_here = (2.0 * k.a * place.u + k.b > 0.0) == (side > 0.0);
             if (is_here) branch.of[branch.count++] = place;
         }
-        if (!branch.count) continue;
-        /* halfway between the turns no arc turns by more than a right angle */
-        Place *middle = branch.of + branch.count;
-        double v = -k.e / (2.0 * k.d);
-        place_at(&k, branch_at(&k, v, side), v, middle);
-        if (is_inside(pressure, middle->at[X], middle->at[Y])) ++branch.count;
         sort_places(&branch);
-        add_branch(pressure, at, &k, side, &branch);
+        add_branch(pressure, at, &k, side, width, &branch);
     }
 }
 

@@ -66,7 +66,7 @@ static WIDENED void add_far_arc(Cones *c, const Curve *curve, int rule) {
     Wide sums[FRICTION_SIZE] = {{0.0}};
     for (int i = BOUNDARY_FIRST[rule]; i < BOUNDARY_FIRST[rule + 1]; i += WIDTH) {
         Shares of = shares_at(curve->weight, i);
-        Wide end_x = place_on(curve, &of, X), end_y = place_on(curve, &of, Y);
+        Wide end_x = of.down * place_on(curve, &of, X), end_y = of.down * place_on(curve, &of, Y);
         Wide cone = cone_on(curve, &of);
         Wide linear = p[Q_SLOPE_X] * end_x + p[Q_SLOPE_Y] * end_y;
         Wide square = p[Q_XX] * end_x * end_x + p[Q_YY] * end_y * end_y;
@@ -98,16 +98,17 @@ static WIDENED void add_far_arc(Cones *c, const Curve *curve, int rule) {
 /* How what it adds moves. */
 static void move_far_arc(Cones *c, const Curve *curve, int rule) {
     int along = ALONG_CONE[c->digits];
-    for (int i = BOUNDARY_FIRST[rule]; i < BOUNDARY_FIRST[rule + 1]; ++i) {
+    for (int i = BOUNDARY_FIRST[rule]; i < BOUNDARY_FIRST[rule + 1]; i += WIDTH) {
         Shares of = shares_at(curve->weight, i);
-        double x = place_on(curve, &of, X)[0], y = place_on(curve, &of, Y)[0];
-        double cone = cone_on(curve, &of)[0];
-        for (int j = BOUNDARY_FIRST[along]; j < BOUNDARY_FIRST[along + 1]; ++j) {
-            double s = BOUNDARY_NODES[j], found[WRENCH], *results[] = {found};
-            const double place[] = {s * x, s * y};
+        Wide x = of.down * place_on(curve, &of, X), y = of.down * place_on(curve, &of, Y);
+        Wide cone = cone_on(curve, &of);
+        for (int j = WIDTH * BOUNDARY_FIRST[along]; j < WIDTH * BOUNDARY_FIRST[along + 1]; ++j) {
+            int node = j / WIDTH, lane = j % WIDTH;
+            double s = BOUNDARY_NODES[node], found[WRENCH], *results[] = {found};
+            const double place[] = {s * x[lane], s * y[lane]};
             const double *given[] = {c->f->twist, c->f->matrix, place, c->f->toward};
             point_toward(given, results, 0, 0, 0);
-            double share = s * cone * BOUNDARY_WEIGHTS[j];
+            double share = s * cone[lane] * BOUNDARY_WEIGHTS[node];
             add(c->moved, found, share * pressure_at(c->quadratic, place[X], place[Y]), WRENCH);
         }
     }
@@ -118,22 +119,26 @@ static ALWAYS_INLINE void image_at(const Plane *p, Wide x, Wide y, Wide *to) {
     to[Y] = p->still[Y] + (p->turn[M_YX] * x + p->turn[M_YY] * y);
 }
 
-/* Thin cones from the centre of rotation, w = 0, to nodes on an arc. */
-static ALWAYS_INLINE void add_arc(const Cones *c, const Curve *curve, int rule, Wide *sums) {
+/* Thin cones from the centre of rotation, w = 0, to nodes on arcs. */
+static ALWAYS_INLINE void add_stretches(const Cones *c, const Stretches *stretches, Wide *sums) {
     const double *image = c->plane.image, twist = 2.0 * image[Q_XY];
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += WIDTH) {
-        Shares of = shares_at(curve->weight, j);
+    for (int i = 0; i < stretches->count; ++i) {
+        const Curve *curve = stretches->curves + stretches->of[i].curve;
+        Shares of = shares_at(curve->weight, stretches->of[i].node);
         Wide x = place_on(curve, &of, X), y = place_on(curve, &of, Y);
-        Wide cone = cone_on(curve, &of), square = x * x + y * y + 1e-300;
-        Wide slowness = 1.0 / roots(square), ux = x * slowness, uy = y * slowness;
+        Wide size = roots(x * x + y * y + 1e-300), inverse = 1.0 / size;
+        Wide ux = x * inverse, uy = y * inverse, cone = cone_on(curve, &of);
+        x *= of.down;
+        y *= of.down;
         Wide level = cone * image[Q_LEVEL];
         Wide first = cone * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
         Wide second = cone * (x * (image[Q_XX] * x + twist * y) + image[Q_YY] * (y * y));
         Wide power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
         Wide force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
-        Wide bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
+        Wide bent = level + first * (1.0 / 2.0) + second * (1.0 / 3.0);
+        bent *= of.whole * inverse;
         Wide bent_x = bent * ux, bent_y = bent * uy;
-        sums[SUM_SPEED] += power * (square * slowness);
+        sums[SUM_SPEED] += power * (size * of.down);
         sums[SUM_X] += force * ux;
         sums[SUM_Y] += force * uy;
         sums[SUM_XX] += bent_y * uy;
@@ -161,8 +166,8 @@ static ALWAYS_INLINE void move_arc(const Curve *image, Curve *moved, int rule, W
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += WIDTH) {
         Shares of = shares_at(image->weight, j);
         for (int k = X; k <= Y; ++k) {
-            given[k] = place_on(image, &of, k);
-            motion[k] = place_on(moved, &of, k);
+            given[k] = of.down * place_on(image, &of, k);
+            motion[k] = of.down * place_on(moved, &of, k);
         }
         given[2] = cone_on(image, &of);
         motion[2] = cone_on(moved, &of);
@@ -253,6 +258,8 @@ static int is_long(const Arcs *images, int i, double omega) {
 /* Arcs, halved near the centre of rotation. */
 static WIDENED void add_arcs(Cones *c, const Pressed *at) {
     Arcs images, motions;
+    Stretches stretches;
+    stretches.count = stretches.curve_count = 0;
     Wide given[2 * CONE_ROOM], sums[SUM_SIZE];
     images_of(&c->plane, &at->arcs, &images);
     if (c->f->toward) {
@@ -266,7 +273,7 @@ static WIDENED void add_arcs(Cones *c, const Pressed *at) {
         int width = images.count - i < WIDTH ? images.count - i : WIDTH, is_halved = 0;
         for (int k = 0; k < width; ++k) {
             if (rules[k] < BOUNDARY_RULE_COUNT) continue;
-            rules[k] = LEAST_RULE;
+            rules[k] = BOUNDARY_RULE_COUNT - 1;
             if (!is_long(&images, i + k, c->frame.omega)) continue;
             halve_arc(&images, i + k);
             if (c->f->toward) halve_arc(&motions, i + k);
@@ -274,15 +281,14 @@ static WIDENED void add_arcs(Cones *c, const Pressed *at) {
         }
         if (is_halved) continue;
         for (int k = 0; k < width; ++k) {
-            Curve image = curve_of(&images, i + k);
-            if (c->f->toward) {
-                Curve moved = curve_of(&motions, i + k);
-                move_arc(&image, &moved, (int)rules[k], given, sums);
-            } else
-                add_arc(c, &image, (int)rules[k], sums);
+            put_stretches(&stretches, &images, i + k, (int)rules[k]);
+            if (!c->f->toward) continue;
+            Curve image = curve_of(&images, i + k), moved = curve_of(&motions, i + k);
+            move_arc(&image, &moved, (int)rules[k], given, sums);
         }
         i += WIDTH;
     }
+    if (!c->f->toward) add_stretches(c, &stretches, sums);
     memcpy(c->sums, sums, sizeof sums);
 }
 

@@ -10,7 +10,7 @@ static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
 enum { MOST_CORRECTIONS = 200 };
 /* Steps are halved down to this share. */
 static const double SHORTEST_STEP = 1e-6;
-/* The table serves as it is where it is off by less than this share of a motion's tolerance. */
+/* Of a motion's tolerance: what the table, or a last correction's square, may be off by. */
 static const double LEAN_SHARE = 0.1;
 /* A correction by less leaves nothing, whatever the tolerance. */
 static const double WELL_CORRECTED = 3e-8;
@@ -80,14 +80,15 @@ static WIDENED void take_moments(Pressed *at) {
         share *= ones(at->side_count - i);
         for (int j = 0; j < 2; ++j) add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
-    for (int i = 0; i < at->arcs.count; ++i) {
-        Curve curve = curve_of(&at->arcs, i);
-        int rule = arc_rule(curve.weight, at->digits);
-        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += WIDTH) {
-            Shares of = shares_at(curve.weight, j);
-            Wide x = place_on(&curve, &of, X), y = place_on(&curve, &of, Y);
-            add_monomials(m, x, y, cone_on(&curve, &of));
-        }
+    Stretches stretches;
+    stretches.count = stretches.curve_count = 0;
+    for (int i = 0; i < at->arcs.count; ++i)
+        put_stretches(&stretches, &at->arcs, i, arc_rule(at->arcs.of[CURVE_WEIGHT][i], at->digits));
+    for (int i = 0; i < stretches.count; ++i) {
+        const Curve *curve = stretches.curves + stretches.of[i].curve;
+        Shares of = shares_at(curve->weight, stretches.of[i].node);
+        Wide x = of.down * place_on(curve, &of, X), y = of.down * place_on(curve, &of, Y);
+        add_monomials(m, x, y, cone_on(curve, &of));
     }
     for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = summed(m + k);
     at->has_moments = 1;
@@ -270,10 +271,10 @@ EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     return count;
 }
 
-/* Corrects the pressure in few steps; whether the last one was so short that its square is less
-   than the tolerance. */
+/* Corrects the pressure in few steps; whether the last one was so short that its square does not
+   count. */
 static int settle(const Pressure *pressure, Pressed *at) {
-    double enough = fmax(0.1 * sqrt(at->tolerance), WELL_CORRECTED);
+    double enough = fmax(sqrt(LEAN_SHARE * at->tolerance), WELL_CORRECTED);
     for (int i = 0; i < MOST_REPEATS; ++i) {
         if (correct(pressure, at) <= enough) return 1;
         cut(pressure, at);

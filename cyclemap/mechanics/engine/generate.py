@@ -254,9 +254,11 @@ def _tables() -> str:
         "BOUNDARY_RULE_COUNT": len(BOUNDARY_RULES),
         "RIM_SAMPLES": RIM_SAMPLES,
         "LEAST_RULE": LEAST_RULE,
+        "LONGEST_RULE": BOUNDARY_RULES[-1],
         "DIGIT_CLASSES": len(BOUNDARY_DIGITS),
     }
     boundary = [np.polynomial.legendre.leggauss(order) for order in BOUNDARY_RULES]
+    along = np.concatenate([nodes for nodes, _ in boundary]) / 2.0 + 0.5
     # The last is the first to the bit.
     around = np.append(np.arange(RIM_SAMPLES), 0) * 2.0 * np.pi / RIM_SAMPLES
     # The half axes of Bernstein's ellipse from which a rule serves, and the larger one of an arc's
@@ -283,7 +285,10 @@ def _tables() -> str:
         "MIDDLE_VALUE": MIDDLE_VALUE,
         "RIM_COSINES": np.cos(around),
         "RIM_SINES": np.sin(around),
-        "BOUNDARY_NODES": np.concatenate([nodes for nodes, _ in boundary]) / 2.0 + 0.5,
+        "BOUNDARY_NODES": along,
+        "BEGUN": (1.0 - along) ** 2,
+        "BOTH": along * (1.0 - along),
+        "ENDED": along**2,
         "BOUNDARY_WEIGHTS": np.concatenate([weights for _, weights in boundary]) / 2.0,
         "GAUSS_NODES": nodes,
         "GAUSS_WEIGHTS": weights,
