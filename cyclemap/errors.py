@@ -1,5 +1,5 @@
-"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, that of unknown
-names, and where a bad value stands.
+"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, that of
+unknown names, and where a bad value stands.
 """
 
 import difflib

@@ -1,4 +1,6 @@
-"""The commands: what each is called, says of itself and takes; what it does is run_NAME of its file."""
+"""The commands: what each is called, says of itself and takes; what it does is run_NAME of its
+file.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -233,8 +233,8 @@ def _strategy(table: object) -> ResetStrategy:
     with located("[strategy]"):
         if len(given_weights) not in (0, len(weights)):
             raise InvalidInput(
-                f"{len(given_weights)} of {len(weights)} actions have a weight: give all of them one, "
-                "or none"
+                f"{len(given_weights)} of {len(weights)} actions have a weight: give all of them "
+                "one, or none"
             )
         return ResetStrategy(
             tuple(actions),

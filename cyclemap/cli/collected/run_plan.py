@@ -126,7 +126,7 @@ def _room(text: str) -> tuple[float, float]:
 
 
 def _measured(asked: PlanOptions, loop: CollectionLoop, floor: Path) -> MeasuredPlan:
-    """What the tables that were filled in tell, written as a floor; doubts about it go to stderr."""
+    """What the tables that were filled in tell, written as a floor; its doubts go to stderr."""
     readable = readable_tables(asked.after, TableOptions(), asked.results.out)
     for path in readable:
         files, problems = files_of_data(path), list[str]()

@@ -1,5 +1,5 @@
-"""Recorded pushes: `cyclemap replay` runs them along their own paths and tells how far off each ends;
-`cyclemap probe` asks whether pushes, or those of a simulator, depend on their direction.
+"""Recorded pushes: `cyclemap replay` runs them along their own paths and tells how far off each
+ends; `cyclemap probe` asks whether pushes, or those of a simulator, depend on their direction.
 """
 
 from __future__ import annotations

@@ -117,8 +117,8 @@ def _ahead_of(asked: WatchOptions) -> LookAhead:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
         raise InvalidInput(
-            f"{asked.protocol}: there is no action to choose: it needs a [strategy] of two actions or "
-            "more"
+            f"{asked.protocol}: there is no action to choose: it needs a [strategy] of two actions "
+            "or more"
         )
     with progress_bar(f"cycle maps on {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
