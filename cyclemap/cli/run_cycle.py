@@ -32,7 +32,7 @@ from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.views import experiment_page as page
 from cyclemap.views.experiment_page import difference_sentence, dynamics_page
@@ -123,10 +123,7 @@ def parse_angles(text: str) -> list[float]:
     """
     angles = []
     for word in map(str.strip, text.split(",")):
-        try:
-            value = plain_number(word)
-        except ValueError:
-            value = math.nan
+        value = number_or_nan(word)
         if not math.isfinite(value):
             raise InvalidInput(
                 f"--theta0-deg has {word!r}; give finite numbers with commas, such as 0,30,60"

@@ -18,7 +18,7 @@ from cyclemap.evidence.tables.data_kinds import FileKind, file_kind, is_csv
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.evidence.tables.planned_table import filled_text
 from cyclemap.evidence.tables.pose_streams import Segments, UnclearStream
-from cyclemap.plain_text import key_and_value, plain_number
+from cyclemap.plain_text import key_and_value, number_or_nan
 from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import file_stem, read_csv_table, write_whole
 from cyclemap.views.panels.layout import render
@@ -158,10 +158,7 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
         column = SELECT_KEYS[key]
         values[column] = text
         if column not in ("surface", "object"):
-            try:
-                values[column] = value = plain_number(text) / FACT_UNITS[column].of_si(1.0)
-            except ValueError:
-                value = math.nan
+            values[column] = value = number_or_nan(text) / FACT_UNITS[column].of_si(1.0)
             if not math.isfinite(value):
                 raise InvalidInput(f"--select {key}={text}: give a finite number")
     return values

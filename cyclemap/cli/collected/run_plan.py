@@ -40,7 +40,7 @@ from cyclemap.evidence.measured_plan import (
 )
 from cyclemap.evidence.plan_pushes import PushPlan, SetPush, plan_pushes
 from cyclemap.evidence.tables.data_kinds import files_of_data, recognise
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
@@ -150,10 +150,7 @@ def _orientation_step(grid: str) -> float | None:
     """The angle (rad) between orientations that a hand sets; None for any."""
     if grid == FREE:
         return None
-    try:
-        step = plain_number(grid)
-    except ValueError:
-        step = math.nan
+    step = number_or_nan(grid)
     if not 0.1 <= step <= 180.0:
         raise InvalidInput(
             f"--grid {grid!r}: give the degrees between orientations, 0.1 to 180, or {FREE}"
