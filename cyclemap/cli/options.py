@@ -268,10 +268,15 @@ class RunOptions:
         """Length, start and seed of the run: those of a measured path (rad), unless told
         otherwise.
         """
-        from cyclemap.collection.portrait import DEFAULT_CYCLES
-
-        length, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
+        length, start = length_and_start(path)
         return {"cycles": self.cycles or length, "start": start, "seed": self.seed}
+
+
+def length_and_start(path: "Array | None") -> tuple[int, float]:
+    """Cycles, and θ0 (rad), of a run beside a measured path (rad), or of one alone."""
+    from cyclemap.collection.portrait import DEFAULT_CYCLES
+
+    return (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
 
 
 def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
