@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from decimal import ROUND_HALF_EVEN, Context, Decimal, DecimalException
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from cyclemap.errors import DataFileError, InvalidInput
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+Known = TypeVar("Known")
+Report = TypeVar("Report")
 Json = dict[str, object]
 Table = Mapping[str, object]
 
@@ -151,6 +153,15 @@ def written(value: Any, unit: Unit = NUMBER) -> Any:
     if isinstance(value, Mapping):
         return {str(name): written(entry, unit) for name, entry in value.items()}
     return [written(entry, unit) for entry in value]
+
+
+def if_known(report: Callable[[Known], Report], result: Known | None) -> Report | None:
+    """Return the report of a result, None where there is none.
+
+    >>> if_known(math.degrees, None), if_known(abs, -1)
+    (None, 1)
+    """
+    return None if result is None else report(result)
 
 
 def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER, **units: Unit) -> Json:

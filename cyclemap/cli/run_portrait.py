@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -46,7 +47,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
 from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.views import fingerprint_page, portrait_page, sentences
-from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, json_of, written
+from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, if_known, json_of, written
 
 if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase, Theta0Pairs
@@ -330,7 +331,7 @@ def fingerprint_report(
             "checked": [
                 {
                     "predicted_deg": direction_deg(direction.predicted.theta),
-                    "full_deg": _direction(direction.full),
+                    "full_deg": if_known(_direction, direction.full),
                     "miss_deg": degrees(direction.miss),
                     "within_error": direction.within_error,
                 }
@@ -352,7 +353,7 @@ def _prediction(prediction: Prediction, name: str) -> Json:
             {
                 **orbit_report(direction.orbit),
                 "error_deg": degrees(direction.error),
-                "second_order_deg": _direction(direction.second_order),
+                "second_order_deg": if_known(_direction, direction.second_order),
             }
             for direction in prediction.directions
         ],
@@ -366,8 +367,8 @@ def _prediction(prediction: Prediction, name: str) -> Json:
     }
 
 
-def _direction(orbit: Orbit | None) -> float | None:
-    return None if orbit is None else direction_deg(float(orbit.points[0]))
+def _direction(orbit: Orbit) -> float:
+    return direction_deg(float(orbit.points[0]))
 
 
 def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
@@ -390,8 +391,8 @@ def margin_report(margin: DirectionMargin) -> Json:
     unit = Unit("", SETTINGS[margin.key].unit.of_si)
     return {
         **json_of(margin, "key", "value", "directions", unit=unit),
-        "below": None if margin.below is None else _change(margin.below, unit),
-        "above": None if margin.above is None else _change(margin.above, unit),
+        "below": if_known(partial(_change, unit=unit), margin.below),
+        "above": if_known(partial(_change, unit=unit), margin.above),
         "searched": written((margin.low, margin.high), unit),
         "share": written(margin.share),
     }
