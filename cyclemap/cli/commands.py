@@ -23,6 +23,7 @@ from cyclemap.cli.options import (
     Whole,
     argument,
     filled,
+    group,
     json_option,
     option,
     out_option,
@@ -98,21 +99,25 @@ class InitOptions:
 
     file: Path
     rectangle_mm: str | None = option(
-        "A rectangle: its lengths along x and y.", metavar="WIDTH,HEIGHT"
+        "A rectangle: its lengths along x and y.", None, metavar="WIDTH,HEIGHT"
     )
     ellipse_mm: str | None = option(
-        "An ellipse, or a disc: its whole widths along x and y.", metavar="WIDTH,HEIGHT"
+        "An ellipse, or a disc: its whole widths along x and y.", None, metavar="WIDTH,HEIGHT"
     )
     shape: str | None = option(
-        "An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ...", metavar="NAME"
+        "An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ...",
+        None,
+        metavar="NAME",
     )
-    outline: Path | None = option("An SVG, DXF, STL, URDF or CSV file of it.", metavar="PATH")
+    outline: Path | None = option("An SVG, DXF, STL, URDF or CSV file of it.", None, metavar="PATH")
     unit: str | None = option(
-        "Of the outline file. [default: guessed, said]", type=Choice(["mm", "cm", "m", "inch"])
+        "Of the outline file. [default: guessed, said]",
+        None,
+        type=Choice(["mm", "cm", "m", "inch"]),
     )
     tolerance_mm: float = option("Corners of the outline that may go.", 0.1)
     underside: bool = option("The foot print of a mesh, not its silhouette.", False)
-    name: str | None = option("Of the object. [default: the file's]")
+    name: str | None = option("Of the object. [default: the file's]", None)
     surface: str = option("Name of the surface.", "table")
     settings: tuple[str, ...] = settings_option()
     force: bool = option("Write over a file that is there.", False)
@@ -141,7 +146,7 @@ class AuditOptions:
 
     data: Path
     table: TableOptions
-    results: ResultOptions = option("audit_DATA.png and .json")
+    results: ResultOptions = group("audit_DATA.png and .json")
 
 
 @command("collected.run_pushes")
@@ -154,18 +159,21 @@ class ProbeOptions:
     """
 
     loop: ProtocolOptions
-    data: Path | None = option("Pushes made: a table with end poses.", metavar="DATA")
+    data: Path | None = option("Pushes made: a table with end poses.", None, metavar="DATA")
     program: str | None = option(
         'A program: {"theta_deg"} in, {"dx_mm","dy_mm","dtheta_deg"} out.',
+        None,
         name="--command",
         metavar="PROGRAM",
     )
     python: str | None = option(
-        "push(theta) -> (dx, dy, dtheta): rad; m in the object's frame.", metavar="MODULE:FUNCTION"
+        "push(theta) -> (dx, dy, dtheta): rad; m in the object's frame.",
+        None,
+        metavar="MODULE:FUNCTION",
     )
     count: int = option("Orientations, of a program or function.", 72, type=Whole(12, 3600))
     table: TableOptions
-    results: ResultOptions = option("probe.png and .json")
+    results: ResultOptions = group("probe.png and .json")
 
 
 @command("collected.run_plan")
@@ -199,6 +207,7 @@ class PlanOptions:
     room_mm: str = option("Of the table, for object and rod.", "600,400", metavar="X,Y")
     by: str | None = option(
         "What the table asks for. [default: corners; pose if free]",
+        None,
         type=Choice(["corners", "pose"]),
     )
     excel: bool = option("Write the table as an Excel file.", False)
@@ -207,7 +216,7 @@ class PlanOptions:
     after: tuple[Path, ...] = option("A table that is filled in; repeatable.", (), metavar="TABLE")
     until_deg: float = option("Enough, where 95 % are within so much.", 5.0, type=_ABOVE_ZERO)
     seed: int = seed_option("Seed of the pushes that are looked at.")
-    results: ResultOptions = option("plan_OBJECT.csv, .png and .json, and the robot's schedule")
+    results: ResultOptions = group("plan_OBJECT.csv, .png and .json, and the robot's schedule")
 
 
 @command("run_cycle")
@@ -216,7 +225,7 @@ class CycleOptions:
 
     loop: LoopOptions
     theta0_deg: str = option("Start angles, by commas.", _ALL_AROUND, metavar="LIST")
-    out: Path | None = option("Also write cycles_MATERIAL.json there.", metavar="DIR")
+    out: Path | None = option("Also write cycles_MATERIAL.json there.", None, metavar="DIR")
     json: str | None = json_option()
 
 
@@ -242,7 +251,7 @@ class FingerprintOptions:
     loop: ProtocolOptions
     check: bool = option("Compute the full cycle map too, and set its directions beside.", False)
     margin: bool = option(_MARGIN, False)
-    results: ResultOptions = option("fingerprint_MATERIAL.png and .json")
+    results: ResultOptions = group("fingerprint_MATERIAL.png and .json")
 
 
 @command("run_report")
@@ -255,7 +264,9 @@ class ExploreOptions:
     """
 
     loop: ProtocolOptions
-    data: Path | None = option("Measured θ0 or pushes to lay over the curves.", metavar="DATA")
+    data: Path | None = option(
+        "Measured θ0 or pushes to lay over the curves.", None, metavar="DATA"
+    )
     table: TableOptions
     browser: bool = option(
         "Open the page, or only write it.", True, "--browser/--no-browser", show_default=False
@@ -276,7 +287,7 @@ class DynamicsOptions:
     loop: LoopOptions
     theta0_deg: str = option("Start angles, by commas.", _ALL_AROUND, metavar="LIST")
     speed_mm_s: float = option("Speed of the rod.", 20.0)
-    results: ResultOptions = option("dynamics_MATERIAL.png and .json")
+    results: ResultOptions = group("dynamics_MATERIAL.png and .json")
 
 
 @command("run_cycle")
@@ -297,7 +308,7 @@ class ExperimentOptions:
     quasi_static: bool = option(
         "Quasi-static cycles, without inertia, in place of dynamic ones.", False
     )
-    results: ResultOptions = option("experiment_MATERIAL.png and .json")
+    results: ResultOptions = group("experiment_MATERIAL.png and .json")
 
 
 @command("run_figures")
@@ -311,9 +322,10 @@ class FiguresOptions:
     names: tuple[str, ...] = argument(metavar="[NAME ...|all]", required=False)
     data: Path | None = option(
         "Folder of measured data. [default: $CYCLEMAP_DATA, or shared/data beside the checkout]",
+        None,
         metavar="DIR",
     )
-    results: ResultOptions = option("pictures, tables and figures.json")
+    results: ResultOptions = group("pictures, tables and figures.json")
 
 
 @command("run_cycle")
@@ -325,18 +337,18 @@ class SimulateOptions:
     """
 
     loop: LoopOptions
-    out: Path = option("Folder of the collection.", metavar="DIR", required=True)
+    out: Path = option("Folder of the collection.", Path(), metavar="DIR", required=True)
     cycles: int = option("How many pushes.", 2000, type=Whole(1, MOST_CYCLES))
     seed: int = seed_option("Seed of all noise.")
     start_deg: float = option("θ0 of the first push.", 0.0)
     noise_deg: float | None = option(
-        "Scatter of θ0 from cycle to cycle. [default: its own or 1.1]", type=_NOT_NEGATIVE
+        "Scatter of θ0 from cycle to cycle. [default: its own or 1.1]", None, type=_NOT_NEGATIVE
     )
     pose_noise_mm: float = option("Error of recorded positions.", 0.0, type=_NOT_NEGATIVE)
     pose_noise_deg: float = option("Error of recorded angles.", 0.0, type=_NOT_NEGATIVE)
     force_noise_n: float = option("Error of recorded forces.", 0.0, type=_NOT_NEGATIVE)
     wear_to: str | None = option(
-        "The surface at the last push: a name or a TOML file.", metavar="MATERIAL"
+        "The surface at the last push: a name or a TOML file.", None, metavar="MATERIAL"
     )
     speed_mm_s: float = option("Of the rod.", 20.0, type=_ABOVE_ZERO)
     scans: bool = option("Friction scans of the fresh surface, too.", False)
@@ -356,12 +368,12 @@ class FitOptions:
     data: Path
     select: tuple[str, ...] = select_option()
     harmonics: int | None = option(
-        "Order of every law. [default: by cross-validation]", type=Whole(0, 50)
+        "Order of every law. [default: by cross-validation]", None, type=Whole(0, 50)
     )
     wear: bool = option("Let the cycle map drift in time.", True, "--wear/--no-wear")
     seed: int = seed_option("Seed of folds and paths.")
     table: TableOptions
-    results: ResultOptions = option("fit_NAME.png and .json, for each set,")
+    results: ResultOptions = group("fit_NAME.png and .json, for each set,")
 
 
 @command("collected.run_identify")
@@ -378,24 +390,26 @@ class IdentifyOptions:
     data: tuple[Path, ...] = argument(required=True)
     table: TableOptions
     select: tuple[str, ...] = select_option()
-    protocol: Path | None = option("The --set keys in TOML tables.", metavar="TOML")
+    protocol: Path | None = option("The --set keys in TOML tables.", None, metavar="TOML")
     settings: tuple[str, ...] = settings_option()
     first: int = option("Leave out cycles before this one.", 0, type=Whole(min=0))
     most: int = option("Pushes or drags of an object and file, at most.", 2000, type=Whole(min=2))
     start: str | None = option(
-        "Where the search begins: a name or a TOML file.", metavar="MATERIAL"
+        "Where the search begins: a name or a TOML file.", None, metavar="MATERIAL"
     )
     floor: str | None = option(
-        "What is known of the floor: a name or a TOML file; its plates stay.", metavar="MATERIAL"
+        "What is known of the floor: a name or a TOML file; its plates stay.",
+        None,
+        metavar="MATERIAL",
     )
     plate: tuple[str, ...] = option(
         "A plate of known shape: a name or a TOML file; repeatable.", (), metavar="PLATE"
     )
     target_mm: str | None = option(
-        "Where resets end: the floor's shape may vary with the place about it.", metavar="X,Y"
+        "Where resets end: the floor's shape may vary with the place about it.", None, metavar="X,Y"
     )
     free: str | None = option(
-        "Parameters to identify, by commas. [default: what the data tell]", metavar="NAMES"
+        "Parameters to identify, by commas. [default: what the data tell]", None, metavar="NAMES"
     )
     fix: tuple[str, ...] = option(
         "Hold a parameter (SI units); repeatable.", (), metavar="NAME=VALUE"
@@ -403,7 +417,7 @@ class IdentifyOptions:
     wear: bool = option("Let friction and floor change over the cycles.", False)
     no_priors: bool = option("Believe nothing beforehand: the data alone speak.", False)
     folds: int | None = option(
-        "Parts for cross-validation; 0: none. [default: 5]", type=Whole(min=0)
+        "Parts for cross-validation; 0: none. [default: 5]", None, type=Whole(min=0)
     )
     student: float = option(
         "Freedom of Student noise, which lets outliers count less; a large one is normal noise.",
@@ -412,9 +426,9 @@ class IdentifyOptions:
     )
     starts: int = option("Searches.", 2, type=Whole(min=1))
     seed: int = seed_option("Seed of starts, folds and draws.")
-    name: str | None = option("Of the material. [default: SURFACE-identified]")
+    name: str | None = option("Of the material. [default: SURFACE-identified]", None)
     force: bool = option("Write a material that cannot be right, too.", False)
-    results: ResultOptions = option("NAME.toml, identify_NAME.png and .json")
+    results: ResultOptions = group("NAME.toml, identify_NAME.png and .json")
 
 
 @command("collected.run_compare")
@@ -425,6 +439,7 @@ class CompareOptions:
     table: TableOptions
     data: Path = option(
         "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout.",
+        Path(),
         metavar="DATA",
         required=True,
     )
@@ -432,7 +447,7 @@ class CompareOptions:
     select: tuple[str, ...] = select_option()
     runs: int = option("Simulated collections.", 199, type=Whole(min=19))
     seed: int = seed_option("Seed of their noise.")
-    results: ResultOptions = option("compare_MATERIAL.png and .json")
+    results: ResultOptions = group("compare_MATERIAL.png and .json")
 
 
 @command("collected.run_pushes")
@@ -449,15 +464,16 @@ class ReplayOptions:
     data: Path = option(
         "Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses and "
         "places of the tip.",
+        Path(),
         metavar="PATH",
         required=True,
     )
     table: TableOptions
     select: tuple[str, ...] = select_option()
     pusher_friction: float | None = option(
-        "Friction of rod and object. [default: 0.25, or as set]", type=_NOT_NEGATIVE
+        "Friction of rod and object. [default: 0.25, or as set]", None, type=_NOT_NEGATIVE
     )
-    results: ResultOptions = option("replay_MATERIAL.png and .json")
+    results: ResultOptions = group("replay_MATERIAL.png and .json")
 
 
 @command("collected.run_watch")
@@ -484,14 +500,15 @@ class WatchOptions:
         "Between such looks.", 1.0, type=RealRange(min=0.01, max=86400.0), metavar="SECONDS"
     )
     protocol: Path | None = option(
-        "With a [strategy]: which of its actions to take next.", metavar="TOML"
+        "With a [strategy]: which of its actions to take next.", None, metavar="TOML"
     )
     material: str | None = option(
         "Name or TOML file of the surface. [default: with --protocol isotropic]",
+        None,
         metavar="MATERIAL",
     )
     table: TableOptions
-    results: ResultOptions = option("watch_FILE.png and .json")
+    results: ResultOptions = group("watch_FILE.png and .json")
 
 
 @command("run_reset")
@@ -510,12 +527,13 @@ class ResetOptions:
     within: int = option("Pushes from the worst start.", 50, type=Whole(1, 10_000))
     drag_ratio: float = option("Most mean drag, in those of now.", 2.0, type=_ABOVE_ZERO)
     reach_mm: float | None = option(
-        "Most distance of rod or object from the target.", type=_ABOVE_ZERO
+        "Most distance of rod or object from the target.", None, type=_ABOVE_ZERO
     )
-    seconds: float | None = option("Most mean time of a cycle.", type=_ABOVE_ZERO)
+    seconds: float | None = option("Most mean time of a cycle.", None, type=_ABOVE_ZERO)
     least_push_mm: float | None = option(
         "Shortest way of the rod in contact, in every push.  [default: two thirds of the push, "
         "else one]",
+        None,
         type=_ABOVE_ZERO,
     )
     abilities: tuple[str, ...] = option(
@@ -528,10 +546,12 @@ class ResetOptions:
     axes_percent: float | None = option(
         "How much one axis of friction may be longer against the other.  [default: the material's "
         "posterior, or 10]",
+        None,
         type=RealRange(min=0.0, max=100.0, max_open=True),
     )
     offsets_percent: float | None = option(
         "How much m0 and n0 may vary.  [default: the material's posterior, or 50]",
+        None,
         type=_ABOVE_ZERO,
     )
     likely: tuple[str, ...] = option(
@@ -542,7 +562,7 @@ class ResetOptions:
     pushes: int = option("How many to collect.", 500, type=Whole(1, 10_000))
     cycles: int = option("Schedule's length.", 2000, type=Whole(1, 10_000_000))
     seed: int = seed_option("Seed of the schedule.")
-    results: ResultOptions = option(
+    results: ResultOptions = group(
         "reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)"
     )
 
@@ -554,7 +574,7 @@ class ReportOptions:
     """
 
     loop: LoopOptions
-    data: Path | None = option("Measured pushes or θ0 to judge it by.", metavar="FILE")
+    data: Path | None = option("Measured pushes or θ0 to judge it by.", None, metavar="FILE")
     table: TableOptions
     reset: bool = option(
         "Also find a reset without bias, with its files (some ten seconds).", False
@@ -579,7 +599,7 @@ class SweepOptions:
         required=True,
     )
     sample: int | None = option(
-        "N points of the ranges, not a grid.", type=Whole(min=1), metavar="N"
+        "N points of the ranges, not a grid.", None, type=Whole(min=1), metavar="N"
     )
     seed: int = seed_option("Seed of the sample.")
     sequence: str = option("How the sample is spread.", "sobol", type=Choice(["sobol", "uniform"]))
@@ -590,20 +610,21 @@ class SweepOptions:
         metavar="LIST",
     )
     tolerance_deg: float | None = option(
-        "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
+        "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]",
+        None,
     )
     rotation_tolerance: float = option(
         "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far "
         "more.",
         1e-4,
     )
-    workers: int | None = option("Processes. [default: one a core]", type=Whole(min=1))
+    workers: int | None = option("Processes. [default: one a core]", None, type=Whole(min=1))
     export: str = option(
         "Also write csv, netcdf, or both, by commas.", "", metavar="LIST", show_default=False
     )
     draw: str = option("Quantities to draw, by commas.", "", metavar="LIST", show_default=False)
     status: bool = option("Tell how far the sweep is, and compute nothing.", False)
-    results: ResultOptions = option("the store sweep_MATERIAL.sqlite, .png, .csv and .nc")
+    results: ResultOptions = group("the store sweep_MATERIAL.sqlite, .png, .csv and .nc")
 
 
 @command("run_doctor")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import Field, dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args, get_origin
+from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 
 import click
 from click.core import ParameterSource
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from cyclemap.protocol.chosen_loop import ChosenCollection
 
 _ONE_MATERIAL = "give one material: a name or a TOML file, as MATERIAL or with --material"
+Default = TypeVar("Default")
 # Longer runs fill memory before they tell more.
 MOST_CYCLES = 1_000_000
 
@@ -70,32 +71,32 @@ class RealRange(_PlainDigits, click.FloatRange):
 _READERS = {Path: click.Path(path_type=Path), int: Whole(), float: Real()}
 
 
-def option(help: str, default: object = None, name: str = "", **settings: object) -> Any:
+def option(help: str, default: Default, name: str = "", **settings: object) -> Default:
     """Return a field that an option fills, named after it or by `name`; settings are Click's."""
     return field(default=default, metadata={"name": name, "help": help, **settings})
 
 
-def seed_option(of: str) -> Any:
+def seed_option(of: str) -> int:
     """Return the field of the seed `of` something."""
     return option(of, 0, type=Whole(min=0))
 
 
-def out_option(of: str) -> Any:
+def out_option(of: str) -> Path:
     """Return the field of the folder where results go; `of` says which."""
     return option(of, Path("out"), metavar="DIR")
 
 
-def settings_option() -> Any:
+def settings_option() -> tuple[str, ...]:
     """Return the field of settings by their keys."""
     return option("One fact of the experiment; repeatable.", (), "--set", metavar="KEY=VALUE")
 
 
-def json_option() -> Any:
+def json_option() -> str | None:
     """Return the field that tells where JSON goes."""
-    return option("Write JSON there; '-' prints JSON and nothing else.", metavar="FILE")
+    return option("Write JSON there; '-' prints JSON and nothing else.", None, metavar="FILE")
 
 
-def select_option() -> Any:
+def select_option() -> tuple[str, ...]:
     """Return the field of the facts by which data are selected."""
     return option(
         "Keep data with surface, object, speed_mm_s, side, fraction or angle_deg of this value; "
@@ -103,6 +104,11 @@ def select_option() -> Any:
         (),
         metavar="KEY=VALUE",
     )
+
+
+def group(about: str) -> Any:
+    """Return a field that is a class of options; `about`: see `parameters`."""
+    return field(metadata={"help": about})
 
 
 def argument(**settings: object) -> Any:
@@ -118,9 +124,9 @@ def parameters(kind: "type[DataclassInstance]", about: str = "") -> Iterator[cli
     """
     for place in fields(kind):
         settings = dict(place.metadata)
-        group = _group(place)
-        if group is not None:
-            yield from parameters(group, settings.get("help", ""))
+        inner = _inner_options(place)
+        if inner is not None:
+            yield from parameters(inner, settings.get("help", ""))
             continue
         kinds = {place.type, *get_args(place.type)}
         is_many = get_origin(place.type) is tuple
@@ -131,14 +137,14 @@ def parameters(kind: "type[DataclassInstance]", about: str = "") -> Iterator[cli
             continue
         if bool in kinds:
             settings["is_flag"] = True
-        if place.default is not None:
+        if place.default is not None and not settings.get("required"):
             settings["default"] = place.default
         name = settings.pop("name") or f"--{place.name.replace('_', '-')}"
         settings["help"] = settings["help"].replace("{}", about)
         yield click.Option([name, place.name], multiple=is_many, **settings)
 
 
-def _group(place: "Field[object]") -> "type[DataclassInstance] | None":
+def _inner_options(place: "Field[object]") -> "type[DataclassInstance] | None":
     """The class of options that a field holds, if it does."""
     kind = place.type
     return kind if isinstance(kind, type) and is_dataclass(kind) else None
@@ -148,8 +154,8 @@ def filled(kind: "type[DataclassInstance]", given: Mapping[str, object]) -> obje
     """Return a class of options with what was given for its parameters, by their names."""
     values = {}
     for place in fields(kind):
-        group = _group(place)
-        values[place.name] = given[place.name] if group is None else filled(group, given)
+        inner = _inner_options(place)
+        values[place.name] = given[place.name] if inner is None else filled(inner, given)
     return kind(**values)
 
 
@@ -162,7 +168,7 @@ class ProtocolOptions:
         "A material file, in place of MATERIAL.", None, "--material", metavar="TOML"
     )
     protocol: Path | None = option(
-        "The --set keys in TOML tables, and a [strategy].", metavar="TOML"
+        "The --set keys in TOML tables, and a [strategy].", None, metavar="TOML"
     )
     settings: tuple[str, ...] = settings_option()
 
@@ -206,21 +212,24 @@ class TableOptions:
     columns: str | None = option(
         "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC "
         "of a bag, sheet=NAME of a workbook.",
+        None,
         metavar="NAME=COLUMN,...",
     )
     units: str | None = option(
-        "Of angles, lengths, times: deg, turn, mm, ms, ... by commas.", metavar="UNITS"
+        "Of angles, lengths, times: deg, turn, mm, ms, ... by commas.", None, metavar="UNITS"
     )
     angles: str | None = option(
         "How data count them, from above; compass: clockwise from y. [default: counter-]",
+        None,
         type=click.Choice(["counter-clockwise", "clockwise", "compass"]),
     )
     frame: str | None = option(
         "How data lay axes, from above: mirrored has y the other way, as pictures do; swapped y "
         "before x.",
+        None,
         type=click.Choice(["right-handed", "mirrored", "swapped"]),
     )
-    offset_deg: float | None = option("Orientation of the object where the data say 0.")
+    offset_deg: float | None = option("Orientation of the object where the data say 0.", None)
 
     @property
     def convention(self) -> dict[str, Any]:
@@ -256,13 +265,13 @@ class RunOptions:
     """What a command that predicts a run of cycles was asked."""
 
     loop: LoopOptions
-    data: Path | None = option("Measured θ0 or pushes to set beside it.", metavar="DATA")
+    data: Path | None = option("Measured θ0 or pushes to set beside it.", None, metavar="DATA")
     table: TableOptions
     cycles: int | None = option(
-        "Length of the staircase. [default: 2000, or the data's]", type=Whole(1, MOST_CYCLES)
+        "Length of the staircase. [default: 2000, or the data's]", None, type=Whole(1, MOST_CYCLES)
     )
     seed: int = seed_option("Seed of its noise.")
-    results: ResultOptions = option("COMMAND_MATERIAL.png and .json")
+    results: ResultOptions = group("COMMAND_MATERIAL.png and .json")
 
     def run_beside(self, path: "Array | None") -> dict[str, Any]:
         """Length, start and seed of the run: those of a measured path (rad), unless told
