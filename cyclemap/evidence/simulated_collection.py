@@ -30,7 +30,6 @@ from cyclemap.evidence.recorded_push import (
     scan_set,
 )
 from cyclemap.evidence.tables.data_kinds import SUFFIXES
-from cyclemap.file_text import toml_text
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.friction import worn_friction
@@ -38,6 +37,7 @@ from cyclemap.plain_text import plain_number
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.collection_file import FILE_NAME, SIMULATION, collection_text
 from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
+from cyclemap.written import toml_text
 
 Arguments = dict[str, str | int | float | bool]
 

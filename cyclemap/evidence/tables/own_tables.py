@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cyclemap.arrays import Array
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, located
 from cyclemap.evidence.tables.columns import COLUMNS, PLACES, QUATERNION, Kind
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import TEXTS
@@ -32,7 +32,6 @@ from cyclemap.evidence.tables.own_rows import (
     with_what_follows,
 )
 from cyclemap.evidence.tables.text_tables import Columns
-from cyclemap.file_text import located
 
 if TYPE_CHECKING:
     import pandas
