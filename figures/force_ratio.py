@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_blocks import (
+from cyclemap.evidence.identification.force_blocks import (
     SLIDING,
     STICKING,
     SlidingForces,

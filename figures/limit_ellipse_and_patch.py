@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
+from cyclemap.evidence.identification.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
 from cyclemap.views.identify_page import draw_ellipses
 from cyclemap.views.panels.layout import entitle, page

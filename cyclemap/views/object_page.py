@@ -15,7 +15,7 @@ from cyclemap.arrays import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
-from cyclemap.evidence.push_plan.plan_pushes import PushPlan
+from cyclemap.evidence.plan_pushes import PushPlan
 from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
