@@ -119,7 +119,7 @@ class TurnResponse:
 
     def first_order(self, seen: ArrayLike) -> Array:
         """Return the first-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""
-        return np.asarray(finite_array("seen", seen, last=4) @ self.gradient)
+        return finite_array("seen", seen, last=4) @ self.gradient
 
     def second_order(self, seen: ArrayLike) -> Array:
         """Return the second-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""

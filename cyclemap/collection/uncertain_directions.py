@@ -360,9 +360,7 @@ def _cubic(cells: Array, share: Array) -> Array:
     h10 = share * (1.0 - share) ** 2
     h11 = share**2 * (share - 1.0)
     _, width, first, last, rise, fall = cells.T
-    return np.asarray(
-        np.stack([first, last, width * rise, width * fall], -1) @ [h00, h01, h10, h11]
-    )
+    return np.stack([first, last, width * rise, width * fall], -1) @ [h00, h01, h10, h11]
 
 
 def _offset(cells: Array) -> Array:
@@ -370,7 +368,7 @@ def _offset(cells: Array) -> Array:
     nearest to each cell.
     """
     turn = _cubic(cells, np.linspace(0.0, 1.0, _INSIDE + 1))
-    return np.asarray(turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI))
+    return turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI)
 
 
 def _roots(owners: NDArray[np.intp], cells: Array, count: int) -> list[Array]:

@@ -416,7 +416,7 @@ class _Test:
         motion, expected_turn = self.expected(own)
         # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
         off = 0.0 if reading.angle != 1.0 else self.lever * (turn - expected_turn)
-        return np.asarray(np.hypot(np.abs(own[:, 0] - motion), off))
+        return np.hypot(np.abs(own[:, 0] - motion), off)
 
     def distance(self, reading: _Reading) -> float:
         """The median of `distances`."""

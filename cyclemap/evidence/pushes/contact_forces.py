@@ -234,4 +234,4 @@ def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[
     share = np.sum((points[:, None] - first) * edge, axis=-1) / squares
     on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
     nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
-    return np.asarray(on_edge[np.arange(len(points)), nearest]), nearest
+    return on_edge[np.arange(len(points)), nearest], nearest
