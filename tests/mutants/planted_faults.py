@@ -793,7 +793,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "evidence/tables/own_rows.py": (
+    "evidence/tables/own_tables.py": (
         TABLES,
         [
             ('rows["repetition"] = _numbers_apart(number, rows)', 'rows["repetition"] = number'),
