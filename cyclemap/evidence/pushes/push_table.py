@@ -412,11 +412,9 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
     if not path.is_dir():
         return [path], []
     errors = list[OSError]()
-    below = [
-        Path(folder, name)
-        for folder, _, names in os.walk(path, onerror=errors.append)
-        for name in names
-    ]
+    below = list[Path]()
+    for folder, _, names in os.walk(path, onerror=errors.append):
+        below += [Path(folder, name) for name in names]
     files = sorted(file for file in below if is_record(file) or is_csv(file))
     if not files:
         raise InvalidInput(

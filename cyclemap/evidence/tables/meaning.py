@@ -271,10 +271,11 @@ def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool
         is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
         around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE
         return len(known) == 1 and not around and _scatter(known[0]) > _ROUGH
+    if most >= _MANY_TURNS:
+        return False
     # Rows before and after pushes may take turns.
-    return most < _MANY_TURNS and any(
-        all(_goes_on_in_radians(values[::every]) for values in known) for every in (1, 2)
-    )
+    every_other = [values[::2] for values in known]
+    return all(map(_goes_on_in_radians, known)) or all(map(_goes_on_in_radians, every_other))
 
 
 def _goes_on_in_radians(values: Array) -> bool:
