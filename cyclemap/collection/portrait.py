@@ -119,31 +119,15 @@ class Portrait(NoisyLoop):
         The loop.
     map : CircleMap
         Its cycle map, θ in rad.
-    turns : TurnStatistics
-        Statistics of the map's turn.
-    fixed_points : tuple of Orbit
-        The directions it maps to themselves.
-    gathering_jumps : tuple of float
-        The jumps (rad) about which orbits gather from both sides, as about a stable point.
-    rotation : RotationNumber
-        Its rotation number.
     noise : WrappedNormal
         The noise added to every cycle.
     operator : TransferOperator
         The transfer operator of map plus noise.
     staircase : Staircase
         One noisy run.
-    prediction : StaircaseSummary
-        What such a run looks like on average.
-    cycle : Cycle
-        One noiseless cycle, started at the most visited stable point, or at 0 where there is
-        none.
     drifting : DriftingMap or None
         Where the surface wears, its map over the cycles of the run, which then follows it; all
         else is of the fresh surface. None where it does not.
-    worn : StaircaseSummary or None
-        Where the surface wears, what runs on the surface of the last cycle are like; None where
-        it does not.
     uncertainty : DirectionUncertainty or None
         How well the stable directions are known, of the fresh surface; None where the mechanics
         is not.
@@ -389,13 +373,6 @@ class StaircaseForecast(NoisyLoop):
     loop, map, noise, operator, staircase, prediction, drifting, worn, uncertainty, forecast
         As of a `Portrait`: what is run, its map, the noise of a cycle, one noisy run, and what such
         a run looks like on average.
-    log10_residences : tuple of Estimate or None
-        Of each of the prediction's zones, log10 of its mean residence in cycles, beyond every
-        float too; None where it could not be certified.
-    steps : Steps
-        The dwells and steps found in the run.
-    comparison : StepComparison
-        These steps beside the prediction, of the fresh surface.
 
     Examples
     --------

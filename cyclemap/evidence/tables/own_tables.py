@@ -258,9 +258,9 @@ def _has_two_rows_a_push(rows: pandas.DataFrame) -> bool:
     """Whether each number of a push stands twice, one row below the other, with a place."""
     if not {"x", "y", "repetition"} <= {*rows} or len(rows) < 4 or len(rows) % 2:
         return False
-    number = rows["repetition"].to_numpy()
-    is_twice = bool((number[::2] == number[1::2]).all())
-    return is_twice and np.unique(number).size * 2 == number.size
+    repetition = rows["repetition"].to_numpy()
+    is_twice = bool((repetition[::2] == repetition[1::2]).all())
+    return is_twice and np.unique(repetition).size * 2 == repetition.size
 
 
 def _refuse_a_stream(rows: pandas.DataFrame, theta0_column: str) -> None:
@@ -433,12 +433,12 @@ def _with_what_follows(table: OwnTable) -> OwnTable:
     is_posed = {*table.rows} >= {*ENDS}
     theta = rows["theta0"].to_numpy()
     words = list[str]()
-    number = np.arange(float(len(rows)))
+    repetition = np.arange(float(len(rows)))
     if "repetition" in rows:
-        number = rows["repetition"].to_numpy()
-    follows = (np.diff(number) == 1.0) & (np.diff(_collections(rows)) == 0.0)
+        repetition = rows["repetition"].to_numpy()
+    follows = (np.diff(repetition) == 1.0) & (np.diff(_collections(rows)) == 0.0)
     gaps = int((~follows).sum())
-    rows["repetition"] = _numbers_apart(number, rows)
+    rows["repetition"] = _numbers_apart(repetition, rows)
     taken: tuple[str, ...] = _POSED if is_posed else ("theta0", "theta_next")
     if "theta_next" not in rows:
         if not is_posed and not gaps and np.isfinite(theta).all() and len(rows) > 1:
@@ -463,19 +463,19 @@ def _with_what_follows(table: OwnTable) -> OwnTable:
     return table.then(whole[_known(whole, *taken)], *words)
 
 
-def _numbers_apart(number: Array, rows: pandas.DataFrame) -> Array:
+def _numbers_apart(repetition: Array, rows: pandas.DataFrame) -> Array:
     """Numbers of pushes (n,), those of later runs behind those of earlier ones: no push of a run
     follows one of another.
     """
     import pandas
 
     if not {"run", "episode"} & {*_parted_by(rows)}:
-        return number
+        return repetition
     labels = _collections(rows)
-    spans = pandas.Series(number).groupby(labels).agg(["min", "max"])
+    spans = pandas.Series(repetition).groupby(labels).agg(["min", "max"])
     lengths = spans["max"] - spans["min"] + 2.0
     begins = spans["min"].iloc[0] + lengths.cumsum().shift(fill_value=0.0)
-    return np.asarray(number + (begins - spans["min"])[labels].to_numpy())
+    return np.asarray(repetition + (begins - spans["min"])[labels].to_numpy())
 
 
 def _how_set(theta: Array, theta_next: Array) -> str | None:
