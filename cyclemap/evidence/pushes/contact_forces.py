@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
+from cyclemap.mechanics.slider import Pusher
 
-MIT_ROD_RADIUS = 0.00475
+MIT_ROD_RADIUS = Pusher().radius
 # The rod's centre lies this close to one radius from the outline while it touches: poses and clocks
 # are no better.
 CONTACT_SLACK = 0.003
