@@ -53,7 +53,6 @@ from cyclemap.written import ANGLE
 # The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
 # degrees.
 DEFAULT_SIGMA = float(np.deg2rad(1.1))
-FULL_TURN = 2 * np.pi
 
 DEFAULT_CYCLES = 2000
 # Maps that most drifts take.
@@ -146,7 +145,7 @@ class Portrait(NoisyLoop):
     """
 
     def _repr_html_(self) -> str:
-        theta = np.linspace(0.0, FULL_TURN, 361)
+        theta = np.linspace(0.0, TWO_PI, 361)
         points = [
             Stroke([[orbit.points[0], 0.0]], BLUE, DISC if orbit.stable else CIRCLE, 4.0)
             for orbit in self.fixed_points
@@ -206,7 +205,7 @@ class Portrait(NoisyLoop):
         peaks = self.operator.peaks()
         density = self.operator.density(peaks)
         order = np.argsort(-density)
-        return tuple(peaks[order][density[order] > 1.0 / FULL_TURN].tolist())
+        return tuple(peaks[order][density[order] > 1.0 / TWO_PI].tolist())
 
     @property
     def tv_from_uniform(self) -> float | None:
@@ -339,7 +338,7 @@ def noises_of(
         white = WrappedNormal(DEFAULT_SIGMA if sigma is None else positive_number("sigma", sigma))
         return white, white
     own = LocalNoise(measured.log_sigma, measured.correlation)
-    theta = np.linspace(0.0, FULL_TURN, 720, endpoint=False)
+    theta = np.linspace(0.0, TWO_PI, 720, endpoint=False)
     slowest = theta[np.argmin(np.abs(shorter_way(cycle_map.turn(theta))))]
     return WrappedNormal(own.white(float(slowest))), own
 
@@ -357,7 +356,7 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
-        mean_turn=float(weight @ turn / FULL_TURN),
+        mean_turn=float(weight @ turn / TWO_PI),
         min_turn=float(turn.min()),
         max_turn=float(turn.max()),
         min_slope=float(slope.min()),
