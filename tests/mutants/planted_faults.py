@@ -793,10 +793,13 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "evidence/tables/own_rows.py": (
+    "evidence/tables/own_tables.py": (
         TABLES,
         [
-            ('rows["repetition"] = _numbers_apart(number, rows)', 'rows["repetition"] = number'),
+            (
+                'rows["repetition"] = _numbers_apart(repetition, rows)',
+                'rows["repetition"] = repetition',
+            ),
             ("np.diff(_collections(rows)) == 0.0", "np.diff(_collections(rows)) < 9.0"),
         ],
     ),
