@@ -21,6 +21,7 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
 from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import (
+    APPROACH,
     FIRST_CLOCK,
     Recording,
     RecordingNoise,
@@ -173,7 +174,8 @@ class CollectionPlan:
         """How the push of `cycle` is recorded."""
         # Whole seconds from one record to the next.
         longest = max(loop.push.distance for loop in self.cycle_loops or (self.loop,))
-        period = math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
+        seconds = recorded_seconds(APPROACH + longest, self.speed)
+        period = math.ceil(2.0 * seconds + _HANDLING_SECONDS)
         return Recording(
             self.speed, FIRST_CLOCK + cycle * period, self.noise, self.loop.pusher.radius
         )
