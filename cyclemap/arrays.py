@@ -53,3 +53,12 @@ def evenly_spread(count: int, most: int) -> list[int]:
     """
     places: list[int] = np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()
     return places
+
+
+def placed(pose: Array, points: Array) -> Array:
+    """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
+    cosine = np.cos(pose[2])
+    sine = np.sin(pose[2])
+    x = points[..., 0]
+    y = points[..., 1]
+    return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)

@@ -113,9 +113,7 @@ class Frame:
 
 
 CATALOGUE = (
-    Entry(
-        "setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles", "setup_and_cycle"
-    ),
+    Entry("setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles", "cycles"),
     Entry(
         "trajectories-object-frame",
         "Fig. 3",
@@ -179,13 +177,13 @@ CATALOGUE = (
         "anisotropic-against-isotropic",
         "Figs. 11 and 12",
         "Simulated paths on anisotropic and on isotropic friction",
-        "dynamic_cycles",
+        "cycles",
     ),
     Entry(
         "dynamic-against-quasi-static",
         BEYOND,
         "What inertia changes at 20 mm/s, and how it vanishes with the speed",
-        "dynamic_cycles",
+        "cycles",
     ),
     Entry("fingerprint", BEYOND, "Five numbers against the full map", "fingerprint"),
     Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in", "saddle_node"),

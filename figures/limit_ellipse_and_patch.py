@@ -11,8 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.identification.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
@@ -89,7 +88,7 @@ def limit_curve(law: EllipseFriction) -> Array:
     """Return the limit ellipse as a closed polyline (241, 2), by the traction of every direction of
     sliding.
     """
-    angle = np.linspace(0.0, 2.0 * math.pi, 241)
+    angle = np.linspace(0.0, TWO_PI, 241)
     return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
@@ -217,7 +216,7 @@ def lean_of(law: EllipseFriction, angle: float) -> float:
     traction.
     """
     traction = law.traction(np.array([math.cos(angle), math.sin(angle)]))
-    return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, 2.0 * math.pi))
+    return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, TWO_PI))
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from PIL import Image
 
-from cyclemap.arrays import TWO_PI, Array
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.portrait_curves import Cobweb
 from cyclemap.errors import ConvergenceError, InvalidInput

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
@@ -39,7 +39,7 @@ RADII = (0.008, 0.0155)
 _FOLD = "saddle-node"
 SHOWN = (0.013, 0.0085)
 NEAREST, FARTHEST = 1e-5, 1.7e-3
-_GRID = np.linspace(0.0, 2 * np.pi, 361)
+_GRID = np.linspace(0.0, TWO_PI, 361)
 # Radians, of the cycles that are interpolated.
 _ACCURACY = 1e-6
 
@@ -134,7 +134,7 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
     part cycles count.
     """
     theta, cycles = slow - np.pi, 0
-    end = theta + 2 * np.pi
+    end = theta + TWO_PI
     while True:
         following = loop.cycle(theta).theta_next
         if following >= end:

@@ -283,7 +283,7 @@ def caption(result: StaircaseBottleneck) -> str:
         return f"{words} Of the robot's own staircase {NO_DATA}."
     climbs = ""
     if seen.run is not None:
-        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (seen.run, seen.path))
+        climbed, measured = ((path[-1] - path[0]) / TWO_PI for path in (seen.run, seen.path))
         climbs = (
             f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the "
             f"measured path {measured:.1f}."

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
@@ -16,8 +16,7 @@ from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_
 from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views.panels.layout import entitle, page
-from cyclemap.views.panels.orientation import CIRCLE, draw_turns
-from cyclemap.views.panels.staircase import draw_pace
+from cyclemap.views.panels.orientation import CIRCLE, draw_pace, draw_turns
 from cyclemap.views.panels.style import LINE, THIRD, ZERO, count_axis, picture_style, plain_ticks
 from cyclemap.views.sentences import LONGEST_STAY, angle
 
@@ -27,7 +26,7 @@ MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
 # Cycles: pushes that far from an age say where the measured map of that age is known.
 NEAR = 240
-_EVEN = 2 * np.pi * np.arange(4096) / 4096
+_EVEN = TWO_PI * np.arange(4096) / 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,15 +66,13 @@ class WearDrift:
         """Cycles in which the frozen map climbs a turn, at `ages`; nan where it takes more than any
         collection has.
         """
-        climbs = self.mean_turn > 2 * np.pi / LONGEST_STAY
-        return np.asarray(
-            np.where(climbs, 2 * np.pi / np.where(climbs, self.mean_turn, 1.0), np.nan)
-        )
+        climbs = self.mean_turn > TWO_PI / LONGEST_STAY
+        return np.asarray(np.where(climbs, TWO_PI / np.where(climbs, self.mean_turn, 1.0), np.nan))
 
     @property
     def expected_turns(self) -> float:
         """Turns over the run, as if each cycle's map had been there for ever."""
-        return float(np.trapezoid(self.mean_turn, self.ages)) / (2 * np.pi)
+        return float(np.trapezoid(self.mean_turn, self.ages)) / TWO_PI
 
 
 def compute(
@@ -97,7 +94,7 @@ def compute(
     means = []
     for frozen in map(drifting.at, ages.tolist()):
         density = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA)).density(_EVEN)
-        means.append(float(np.mean(density * frozen.turn(_EVEN))) * 2 * np.pi)
+        means.append(float(np.mean(density * frozen.turn(_EVEN))) * TWO_PI)
     mean_turn = np.array(means)
     cycles = np.linspace(0.0, wear.cycles, 41)
     turns = tuple(drifting.at(float(age)).turn(CIRCLE) for age in AGES)
@@ -122,8 +119,8 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     """
     pairs = fitted.pairs
     assert pairs.cycle is not None
-    near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], 2 * np.pi))
-    around = np.concatenate([near[-1:] - 2 * np.pi, near, near[:1] + 2 * np.pi])
+    near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], TWO_PI))
+    around = np.concatenate([near[-1:] - TWO_PI, near, near[:1] + TWO_PI])
     after = np.clip(np.searchsorted(around, CIRCLE), 1, around.size - 1)
     apart = np.minimum(np.abs(around[after] - CIRCLE), np.abs(CIRCLE - around[after - 1]))
     turn = fitted.fitted.map_at(float(age)).turn(CIRCLE)

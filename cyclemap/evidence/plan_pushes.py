@@ -17,9 +17,8 @@ from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, placed
 from cyclemap.checks import non_negative_number, positive_number, require_room, whole_number
-from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, RodMissesObject
 from cyclemap.evidence.predicted_strokes import push_from_contact

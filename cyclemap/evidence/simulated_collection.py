@@ -18,8 +18,8 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
 from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.pushes.recordings import PushFacts, push_name, scan_name
 from cyclemap.evidence.recorded_push import (
     APPROACH,
     FIRST_CLOCK,

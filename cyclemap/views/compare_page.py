@@ -14,8 +14,7 @@ from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.maps import DriftingMap
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import entitle, page, rows_of
-from cyclemap.views.panels.orientation import OUTCOMES, draw_measured, draw_outcome
-from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.orientation import OUTCOMES, draw_measured, draw_outcome, draw_staircase
 from cyclemap.views.panels.style import DOTS, LINE, PREDICTED, ZERO, degree_axis, picture_style, say
 from cyclemap.views.sentences import angle
 from cyclemap.views.verdicts import MOST_SETS, told_sets, verdicts

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.measured_cycle_map import (
     FEWEST_FOR_WEAR,
@@ -26,11 +27,12 @@ from cyclemap.views.panels.orientation import (
     draw_law,
     draw_measured,
     draw_outcome,
+    draw_pace,
     draw_recorded,
+    draw_staircase,
     keep_to,
     turn_axes,
 )
-from cyclemap.views.panels.staircase import draw_pace, draw_staircase
 from cyclemap.views.panels.style import (
     BAND,
     BARS,
@@ -178,10 +180,10 @@ def count_sentence(fit: SetFit) -> str:
         f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.",
         covered_arcs(pushes.theta),
     )
-    if arcs == ((0.0, 2 * np.pi),):
+    if arcs == ((0.0, TWO_PI),):
         return counted
     size = angle(sum(high - low for low, high in arcs), 0)
-    where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
+    where = [f"{angle(low, 0)} to {angle(high % TWO_PI, 0)}" for low, high in arcs]
     return (
         f"{counted} θ0 covers {size} of the circle ({listed(where)}); nothing is said of the rest."
     )

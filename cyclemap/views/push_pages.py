@@ -11,8 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Whole
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import Whole, placed
 from cyclemap.evidence.comparison.replay_push import Replay
 from cyclemap.evidence.comparison.replay_table import ReplayedPushes
 from cyclemap.evidence.identified_words import MOST_RATIO

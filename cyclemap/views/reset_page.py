@@ -28,9 +28,14 @@ from cyclemap.resets import (
     ResetStrategy,
 )
 from cyclemap.views.panels.layout import entitle, new_figure, page, panels_in, write_page
-from cyclemap.views.panels.orientation import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
+from cyclemap.views.panels.orientation import (
+    PER_DEGREE,
+    draw_histogram,
+    draw_recorded,
+    draw_staircase,
+    draw_turns,
+)
 from cyclemap.views.panels.scene import MM, draw_object, draw_ring, number_sides
-from cyclemap.views.panels.staircase import draw_staircase
 from cyclemap.views.panels.style import (
     BAND,
     DOTS,
@@ -329,7 +334,7 @@ def _round_about(actions: Sequence[CycleAction]) -> str:
     """Turns of a gripper, or legs of one length, in all directions, as one; empty where they are
     not these.
     """
-    count, step = len(actions), 2.0 * math.pi / len(actions)
+    count, step = len(actions), TWO_PI / len(actions)
     ways = [action.way_points or () for action in actions if action.push is None]
     if len(ways) == count and not any(ways):
         by = {2: "a half turn or not", 4: "0, 90, 180 or 270°"}.get(

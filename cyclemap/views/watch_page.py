@@ -2,7 +2,6 @@
 directions, what they are worth, and evidence or what the reset did.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -259,9 +258,7 @@ def _covering(audit: Audit) -> str:
             f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
             f"{angle(state.gap_centre, 0)}"
         )
-    arc_words = ", ".join(
-        f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in arcs[:4]
-    )
+    arc_words = ", ".join(f"{angle(low, 0)} to {angle(high % TWO_PI, 0)}" for low, high in arcs[:4])
     more = f" and {len(arcs) - 4} arcs more" if len(arcs) > 4 else ""
     return f"cover {arc_words}{more}: {state.covered:.0%} of the circle is within 5° of one"
 

@@ -16,8 +16,13 @@ from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.evidence.laws.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views.panels.orientation import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
-from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.orientation import (
+    CIRCLE,
+    PER_DEGREE,
+    draw_histogram,
+    draw_recorded,
+    draw_staircase,
+)
 from cyclemap.views.panels.style import LINE, SECOND, THIRD, name_tag
 from cyclemap.views.sentences import angle, listed
 
@@ -33,7 +38,7 @@ from .simulated_collections import (
     sampled_run,
 )
 
-UNIFORM = 1.0 / (2 * np.pi)
+UNIFORM = 1.0 / TWO_PI
 # A maximum of the density counts as a peak from this many times the uniform density on.
 LEAST_PEAK = 0.5
 # The paper's words for the peaks, in the order of `PublishedStatistics.directions`.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import PushSet, friction_ellipse_from_scans, push_statistics
@@ -76,7 +76,7 @@ class FrictionRow:
     @property
     def offset_direction(self) -> float:
         """Direction of the centre in the frame of the surface, rad in [0, 2π)."""
-        return (self.law.phi + math.atan2(self.law.n0, self.law.m0)) % (2 * math.pi)
+        return (self.law.phi + math.atan2(self.law.n0, self.law.m0)) % TWO_PI
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_motion_law, draw_turn_histogram
@@ -66,9 +66,9 @@ def shortest_arc(theta: Array, share: float) -> float:
     >>> round(shortest_arc(np.array([0.1, 6.2, 0.3, 3.0]), 0.75), 6)
     0.383185
     """
-    angles = np.sort(np.mod(theta, 2 * np.pi))
+    angles = np.sort(np.mod(theta, TWO_PI))
     held = max(int(np.ceil(share * angles.size)), 1)
-    ends = np.concatenate([angles, angles + 2 * np.pi])[held - 1 : held - 1 + angles.size]
+    ends = np.concatenate([angles, angles + TWO_PI])[held - 1 : held - 1 + angles.size]
     return float(np.min(ends - angles))
 
 

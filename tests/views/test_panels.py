@@ -9,6 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 
 from cyclemap import maps
+from cyclemap.collection import CollectionLoop
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, WrappedNormal
 from cyclemap.views.panels.layout import new_figure, render
 from cyclemap.views.panels.orbits import (
@@ -25,6 +26,7 @@ from cyclemap.views.panels.rotation import (
     draw_rotation_plane,
     draw_tongues,
 )
+from cyclemap.views.panels.scene import cycle_key, shown_forces, strongest_force
 from cyclemap.views.panels.style import picture_style
 from cyclemap.views.portrait_page import draw_step_lengths, draw_steps
 
@@ -185,3 +187,13 @@ def test_branches_are_solid_where_stable_and_change_at_bifurcations() -> None:
             seen.add(stable)
     assert seen == {True, False}
     assert words(axes) == ["stable", "unstable", "saddle-node", "period-doubling"]
+
+
+def test_the_forces_shown_are_some_of_the_course_and_the_key_names_the_largest():
+    cycle = CollectionLoop.mit("plywood").cycle(0.7)
+    for course in (cycle.trajectory.push, cycle.trajectory.drag):
+        places, forces = shown_forces(course)
+        assert len(places) == len(forces) >= 2
+        assert all((course.contact_force == force).all(axis=1).any() for force in forces)
+        assert (np.hypot(*forces.T) <= strongest_force(cycle)).all()
+    assert f"longest {strongest_force(cycle):.2g} N" in cycle_key(cycle)

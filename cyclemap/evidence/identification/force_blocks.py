@@ -450,8 +450,8 @@ def sliding_forces(
             for first, end in stretches(slides):
                 for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
-                    ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, index, samples.window))
+                    force = np.sum(samples.force[piece])
+                    rows.append((sign * force.imag / force.real, index, samples.window))
         sticking += int(
             np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window))
         )

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
-from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import (
     EllipseFriction,

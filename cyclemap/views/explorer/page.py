@@ -23,6 +23,7 @@ import jinja2
 import numpy as np
 from PIL import Image
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -281,7 +282,7 @@ def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
     """The portrait as the page draws it; where noise does not settle the distribution, its density
     is None.
     """
-    degrees = 2 * np.pi * np.arange(CELLS + 1) / CELLS
+    degrees = TWO_PI * np.arange(CELLS + 1) / CELLS
     certain, known, loop = portrait.operator.is_certain, portrait.uncertainty, portrait.loop
     ends = (
         []
@@ -297,7 +298,7 @@ def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
             *(typeset(sentence(portrait)) for sentence in _SENTENCES),
             f"{sentences.accuracy_line(portrait).capitalize()}.",
         ],
-        "density": _listed(2 * np.pi * portrait.operator.density(degrees[:-1]), 4)
+        "density": _listed(TWO_PI * portrait.operator.density(degrees[:-1]), 4)
         if certain
         else None,
         "turn": _listed(np.degrees(portrait.map.turn(degrees)), 3),
@@ -309,7 +310,7 @@ def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
             }
             for point in portrait.fixed_points
         ],
-        "staircase": {"every": every, "turns": _listed(path[::every] / (2 * np.pi), 4)},
+        "staircase": {"every": every, "turns": _listed(path[::every] / TWO_PI, 4)},
         "orbit": _listed(np.degrees(orbit), 4),
         "courses": courses,
         "scene": scene(loop),
@@ -363,7 +364,7 @@ def measured(pairs: Theta0Pairs | None) -> dict[str, object] | None:
     return {
         "theta": _listed(np.degrees(pairs.theta) % 360.0, 2),
         "turn": _listed(np.degrees(pairs.turn), 2),
-        "staircase": None if pairs.path is None else _listed(pairs.path / (2 * np.pi), 4),
+        "staircase": None if pairs.path is None else _listed(pairs.path / TWO_PI, 4),
     }
 
 
