@@ -398,18 +398,13 @@ def identified_material(
         if field.name in asked
     }
     worn = worn_surface(identified.values)
-    shifts = dict[str, list[float]]()
-    for key, value in identified.values.items():
-        if key.startswith("tip_offset_"):
-            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
-            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
     floors = identified.floors
     before = Material(name, identified.friction()) if floor is None else floor
     plates = [
         PlatePressure(owner or plate, shape=shape) for owner, shape in identified.plates.items()
     ]
     sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
-    frames = [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
+    frames = _frame_shifts(identified.values, plate)
     wear = None
     if worn is not None and last_cycle > 0.0:
         course = _course(identified.values, last_cycle)
@@ -433,6 +428,16 @@ def identified_material(
         field=floor_field(identified.values),
     )
     return replace(material, posterior=_posterior(identified, material, plate, before.posterior))
+
+
+def _frame_shifts(values: Values, plate: str) -> list[FrameShift]:
+    """How the frames of plates' data are shifted; that of data of one plate is the plate's."""
+    shifts = dict[str, list[float]]()
+    for key, value in values.items():
+        if key.startswith("tip_offset_"):
+            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
+            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
+    return [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
 
 
 def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:

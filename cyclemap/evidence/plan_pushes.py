@@ -220,9 +220,7 @@ def plan_pushes(
     True
     """
     asked = whole_number("pushes of a plan", count, least=1)
-    if target not in TARGETS:
-        raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
-    _check_sizes(asked, room, read, samples, candidates)
+    _check(target, asked, room, read, samples, candidates)
     report = progress or unheard
     known = sampled_beliefs(loop, samples)
     offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
@@ -262,10 +260,17 @@ def plan_pushes(
     )
 
 
-def _check_sizes(
-    asked: int, room: tuple[float, float], read: tuple[float, float], samples: int, candidates: int
+def _check(
+    target: str,
+    asked: int,
+    room: tuple[float, float],
+    read: tuple[float, float],
+    samples: int,
+    candidates: int,
 ) -> None:
-    """Refuse numbers of a plan that make no sense, or are too large."""
+    """Refuse a plan for something else, and numbers that make no sense or are too large."""
+    if target not in TARGETS:
+        raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
     if asked > MOST_PUSHES:
         raise InvalidInput(
             f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"
