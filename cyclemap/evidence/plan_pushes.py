@@ -1,10 +1,5 @@
-"""Choose pushes so that what is asked will be known best, on average over what is believed and if
-any push is lost.
-
-To first order the covariance of the unknowns after pushes is C = (C0^-1 + Σ J^T R^-1 J)^-1 in each
-sample of what is believed, and what is asked has the variance g C g^T (Bayesian design for linear
-functionals, Chaloner & Verdinelli 1995). Pushes are chosen one by one, then each is exchanged for a
-better one as long as there is any.
+"""Choose, of the pushes that a person or a robot can set up, those after which what is asked will be
+known best, on average over what is believed and if any of them is lost.
 """
 
 from __future__ import annotations
