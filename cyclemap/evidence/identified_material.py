@@ -178,9 +178,9 @@ def derived_quantities(
     """Return directions and sizes of friction ellipse and floor's bow as far as their parameters
     are free.
 
-    Intervals hold the middle share `identified.level` of sampled surfaces. Where a vector (ellipticity,
-    offset, bow) may be zero by Hotelling's test, its direction is not known and its size has its
-    least value, 1 or 0, for a lower end: drawn vectors never are zero.
+    Intervals hold the middle share `identified.level` of sampled surfaces. Where a vector
+    (ellipticity, offset, bow) may be zero by Hotelling's test, its direction is not known and its
+    size has its least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
     drawn = [
         SurfaceParameters.from_values(draw) for draw in sampled_values(identified, draws, seed)

@@ -1,5 +1,6 @@
-"""A plan as tables, one to fill in and one for a robot, and what is known once it is filled in: what
-measured pushes tell of a floor of which something was believed before, and whether that is enough.
+"""A plan as tables, one to fill in and one for a robot, and what is known once it is filled in:
+what measured pushes tell of a floor of which something was believed before, and whether that is
+enough.
 """
 
 from __future__ import annotations

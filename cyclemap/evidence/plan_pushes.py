@@ -1,5 +1,5 @@
-"""Choose, of the pushes that a person or a robot can set up, those after which what is asked will be
-known best, on average over what is believed and if any of them is lost.
+"""Choose, of the pushes that a person or a robot can set up, those after which what is asked will
+be known best, on average over what is believed and if any of them is lost.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""What is known before an identification, of a floor from its material, of plates from their shapes,
-and the identification of collected data with it.
+"""What is known before an identification, of a floor from its material, of plates from their
+shapes, and the identification of collected data with it.
 """
 
 from __future__ import annotations

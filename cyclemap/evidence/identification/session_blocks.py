@@ -1,5 +1,5 @@
-"""The blocks of one session, made of rows of measured data, with what stays out told between them; what
-each of several plates and sessions has of its own, and which sessions are odd.
+"""The blocks of one session, made of rows of measured data, with what stays out told between them;
+what each of several plates and sessions has of its own, and which sessions are odd.
 """
 
 from __future__ import annotations
