@@ -748,7 +748,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     ),
     "evidence/laws/turn_bins.py": (
         f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
-        [("high if high >= low else high + TWO_PI", "high")],
+        [("np.where(high >= low, high, high + TWO_PI)", "high")],
     ),
     "evidence/pushes/push_files.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",

@@ -153,16 +153,19 @@ def motion_law(
     known = np.isfinite(values) & np.isfinite(angles)
     angles = angles[known]
     values = values[known]
+    law = None
     if values.size < FEWEST:
-        reason = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
-        return MotionLaw(quantity, angles, values, None, float("nan"), reason)
-    noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
-    try:
-        law = fit_periodic_law(
-            angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed
-        )
-    except (InvalidInput, ConvergenceError) as error:
-        return MotionLaw(quantity, angles, values, None, float("nan"), str(error))
+        problem = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
+    else:
+        noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
+        try:
+            law = fit_periodic_law(
+                angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed
+            )
+        except (InvalidInput, ConvergenceError) as error:
+            problem = str(error)
+    if law is None:
+        return MotionLaw(quantity, angles, values, None, float("nan"), problem)
     # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter
     # were chosen with all values: for a law of few coefficients that flatters it little.
     columns = fourier_columns(angles, law.harmonics)
