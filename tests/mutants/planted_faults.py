@@ -958,8 +958,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_coverage.py tests/resets",
         [
             (
-                "self._inverse -= np.outer(pulled, pulled) / gain",
-                "self._inverse += np.outer(pulled, pulled) / gain",
+                "self._known += np.outer(self._last, self._last)",
+                "self._known += self._last",
             ),
             ("widest = int(np.argmax(gaps))", "widest = int(np.argmin(gaps))"),
             ("best = int(np.argmin(crowding))", "best = int(np.argmax(crowding))"),
