@@ -126,8 +126,7 @@ class ResetDemands:
                     "0 and 1"
                 )
         for name in ("within", "pushes"):
-            object.__setattr__(self, name, whole_number(name, getattr(self, name), least=1))
-            if getattr(self, name) > MOST_PUSHES:
+            if whole_number(name, getattr(self, name), least=1) > MOST_PUSHES:
                 raise InvalidInput(
                     f"{name} is {getattr(self, name)}: more than {MOST_PUSHES} are not simulated"
                 )

@@ -506,8 +506,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         LAWS,
         [
             (
-                "total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)",
-                "total += shared + shared.T",
+                "window = 1.0 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1.0)",
+                "window = np.ones(2 * lags + 1)",
             ),
             (
                 "covariance = inverse @ total @ inverse * (count / free)",
