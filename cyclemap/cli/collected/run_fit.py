@@ -191,7 +191,7 @@ def _cycle_map(measured: MeasuredCycleMap) -> Json:
         "wear_degree": None if wear is None else wear.degree,
         "rmse_deg": degrees(law.rmse),
         "rmse_without_wear_deg": degrees(measured.fitted.law.rmse),
-        "sigma_deg": degrees(law.sigma),
+        **json_of(law, "sigma", unit=DEGREES),
         **json_of(measured, "quietest", "loudest"),
         **json_of(law, "lag_correlation"),
         "early": _state(measured.early),
