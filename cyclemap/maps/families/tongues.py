@@ -22,10 +22,10 @@ from cyclemap.maps.families.family import (
     Range,
     each_done,
     family_member,
-    limit_at_break,
     parameter_range,
     parameter_tangent,
 )
+from cyclemap.maps.lifts.branches import limit_at_break
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells, root_between
