@@ -406,17 +406,10 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
         cubic += cells.shift * theta
         cubic -= iterate(circle_map, theta, cells.period)
         misfit[alike] = np.maximum(np.max(cubic, axis=1), -np.min(cubic, axis=1))
-    bend = 3.0 * (a + b - 2.0 * rise)  # the cubic's slope is a + 2(3 rise - 2a - b)t + bend t²
-    with np.errstate(divide="ignore", invalid="ignore"):
-        vertex = (2.0 * a + b - 3.0 * rise) / bend
-        least = a - bend * vertex * vertex
-    turns_twice = (
-        (a * b > 0.0)
-        & (vertex > 0.0)
-        & (vertex < 1.0)
-        & (least * a < 0.0)
-        & (np.abs(least) > nothing)
-    )
+    # The cubic's slope is the parabola with Bernstein's coefficients a, middle, b.
+    middle = 3.0 * rise - a - b
+    dip = (middle**2 - a * b) / np.maximum(np.abs(a) + 2.0 * np.abs(middle) + np.abs(b), 1e-300)
+    turns_twice = (a * b > 0.0) & (a * middle < 0.0) & (dip > nothing)
     return (misfit > _MISFIT * steepest + nothing) | turns_twice
 
 
