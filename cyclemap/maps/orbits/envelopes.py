@@ -4,7 +4,7 @@ levels).
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import ceil
 
 import numpy as np
@@ -14,7 +14,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.branches import cell_limits
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
-from cyclemap.maps.lifts.piecewise_lifts import Level, Piece, on_base_turn
+from cyclemap.maps.lifts.piecewise_lifts import GivenBranch, Piece, on_base_turn
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 SLACK = 1e-12  # radians: a smaller descent is rounding
@@ -203,6 +203,7 @@ def _with_plateaus(
     pieces = []
     following = np.append(start[1:], start[0] + TWO_PI)
     for first, last, height, after in zip(start, end, level, following, strict=True):
-        pieces += [Piece(first, last, Level(height)), Piece(last, after, circle_map)]
+        flat = GivenBranch(partial(np.full_like, fill_value=height), np.zeros_like, first, last)
+        pieces += [Piece(first, last, flat), Piece(last, after, circle_map)]
     breaks = np.concatenate([start, end, circle_map.breaks])
     return CircleMap(on_base_turn(pieces, 1), None, breaks, max_error=inexact)
