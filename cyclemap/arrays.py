@@ -55,6 +55,16 @@ def evenly_spread(count: int, most: int) -> list[int]:
     return places
 
 
+def along_way(places: float | Array, way: Array, values: Array) -> Array:
+    """Return the values (..., k) at places (...) of a way (n,), linear between the rows (n, k) that
+    are known.
+
+    >>> along_way(0.25, np.array([0.0, 1.0]), np.array([[0.0, 2.0], [4.0, 2.0]])).tolist()
+    [1.0, 2.0]
+    """
+    return np.stack([np.interp(places, way, column) for column in values.T], axis=-1)
+
+
 def placed(pose: Array, points: Array) -> Array:
     """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
     cosine = np.cos(pose[2])

@@ -130,13 +130,13 @@ CATALOGUE = (
         "limit-ellipse-and-patch",
         "the paper's limit ellipse and patch, and Fig. 10 (right)",
         "Limit ellipse of a point, of plywood, and the forces of the patch",
-        "limit_ellipse_and_patch",
+        "forces",
     ),
     Entry(
         "force-ratio",
         "Fig. 10 (left)",
         "Ratio of tangential to normal force at the pushing point",
-        "force_ratio",
+        "forces",
     ),
     Entry(
         "simulated-against-measured",
@@ -203,9 +203,9 @@ CATALOGUE = (
         "staircase-bottleneck",
         BEYOND,
         "A staircase and the bottleneck that makes it",
-        "staircase_bottleneck",
+        "bottleneck",
     ),
-    Entry("wear-drift", BEYOND, "The cycle map as plywood wears", "wear_drift"),
+    Entry("wear-drift", BEYOND, "The cycle map as plywood wears", "bottleneck"),
     Entry("locking-in", BEYOND, "The loop of push and drag locks in", "locking_in"),
 )
 

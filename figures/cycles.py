@@ -21,6 +21,7 @@ from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.mechanics import Trajectory
 from cyclemap.views.experiment_page import (
+    differences,
     draw_paths,
     draw_place_differences,
     draw_turn_differences,
@@ -288,22 +289,10 @@ def inertia_caption(study: InertiaStudy) -> str:
     left = math.degrees(float(study.differences[:, int(study.speeds.argmin())].max()))
     return (
         f"The paper's dynamic simulation less the quasi-static model at {speed:g} mm/s: "
-        f"{_at_most(study.material)} on plywood, {_at_most(study.isotropic)} on isotropic "
+        f"{differences(study.material, 2)} on plywood, {differences(study.isotropic, 2)} on isotropic "
         f"friction. The difference of a cycle falls with the speed to the power {first:.2f} on "
         f"plywood and {second:.2f} on isotropic friction: inertia enters as the speed squared. At "
         f"{slowest} mm/s {left:.3f}° are left."
-    )
-
-
-def _at_most(comparison: DynamicsComparison) -> str:
-    push, drag, cycle = (
-        math.degrees(largest(comparison.difference(name)))
-        for name in ("push_turn", "drag_turn", "theta_next")
-    )
-    place = 1e3 * largest(comparison.difference("push_displacement"))
-    return (
-        f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle "
-        f"and {place:.2f} mm"
     )
 
 

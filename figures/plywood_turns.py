@@ -26,7 +26,7 @@ from cyclemap.mechanics import (
     grid_footprint,
     resting_pressure,
 )
-from cyclemap.views.panels.layout import entitle, legend_above, new_figure, page, panels_in
+from cyclemap.views.panels.layout import entitle, legend_above, page
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
@@ -159,7 +159,7 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes
-        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), "recorded pushes")
+        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), label="recorded pushes")
     degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
     entitle(push, "Push")
@@ -299,8 +299,7 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
 @picture_style()
 def draw_floors(result: FloorShapes) -> Figure:
     """Turns over θ0, their harmonics, and the plate at three orientations."""
-    figure = new_figure(10.5, 7.2)
-    turns, harmonics = panels_in(figure, "ab", (0.46, 0.985), keys=2, width_ratios=(2.2, 1.0))
+    figure, (turns, harmonics, *places) = page("aab;cde", size=(10.5, 7.2), keys=2)
     around = np.append(result.theta, TWO_PI)
     looks = [FOURTH, SECOND, LINE, THIRD]
     curves = {floor.name: np.append(floor.turn, floor.turn[0]) for floor in result.floors}
@@ -309,7 +308,6 @@ def draw_floors(result: FloorShapes) -> Figure:
         draw_medians(turns, result.measured, "measured")
     legend_above(turns)
     _draw_harmonics(harmonics, result)
-    places = panels_in(figure, "abc", (0.0, 0.5))
     for axes, pressure, theta in zip(places, result.resting, RESTING, strict=True):
         image = _draw_resting(axes, result, pressure, theta)
     figure.colorbar(image, ax=places, label="pressure (mean pressures)")

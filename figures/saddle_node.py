@@ -14,7 +14,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
-from cyclemap.views.panels.layout import entitle, new_figure, panels_in
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.orbits import LOST, STABLE
 from cyclemap.views.panels.orientation import draw_turns
 from cyclemap.views.panels.scene import MM
@@ -146,8 +146,8 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
 def draw(result: SaddleNode) -> Figure:
     """The pair over the radius, its multiplier, the passage beyond,
     and three graphs of the turn."""
-    figure = new_figure(10.0, 8.2)
-    pair, multiplier, passage = panels_in(figure, "ab;ac", (0.33, 1.0), width_ratios=(1.35, 1.0))
+    figure, panels = page("aab;aac;def", size=(11.0, 8.2))
+    pair, multiplier, passage, *lower = panels
     branch, fold = result.branch, result.fold
     _draw_sides(pair, branch, np.degrees(branch.points[:, 0]))
     pair.axvspan(MM * RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
@@ -167,8 +167,8 @@ def draw(result: SaddleNode) -> Figure:
     entitle(multiplier, "Multipliers meet at 1")
     _draw_passage(passage, result)
     graphs = zip(result.graphs, ("two zeros", "a touch", "none"), strict=True)
-    lower = panels_in(figure, "abc", (0.0, 0.36), sharey=True)
     for axes, ((radius, theta, turn), zeros) in zip(lower, graphs, strict=True):
+        axes.sharey(lower[0])
         draw_turns(axes, theta, {"turn": turn})
         degree_axis(axes, "θ0 (°)", 90)
         axes.set_ylabel("turn of a cycle (°)")

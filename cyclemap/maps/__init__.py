@@ -77,6 +77,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
+    from cyclemap.maps.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
     from cyclemap.maps.estimate import Estimate as Estimate
     from cyclemap.maps.families.bifurcation_curves import (
         BifurcationCurve as BifurcationCurve,
@@ -137,8 +138,7 @@ if TYPE_CHECKING:
         nth_iterate as nth_iterate,
         shifted as shifted,
     )
-    from cyclemap.maps.noise.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
-    from cyclemap.maps.noise.noise import (
+    from cyclemap.maps.noise import (
         Noise as Noise,
         WrappedCauchy as WrappedCauchy,
         WrappedNormal as WrappedNormal,
@@ -192,15 +192,17 @@ if TYPE_CHECKING:
         QuasiStationary as QuasiStationary,
         quasi_stationary as quasi_stationary,
     )
-    from cyclemap.maps.staircases.slow_zones import (
+    from cyclemap.maps.staircases.drifting_map import (
+        DriftingMap as DriftingMap,
         DriftSummary as DriftSummary,
+        predict_drift as predict_drift,
+    )
+    from cyclemap.maps.staircases.slow_zones import (
         SlowZone as SlowZone,
         StaircaseSummary as StaircaseSummary,
-        predict_drift as predict_drift,
         predict_staircase as predict_staircase,
     )
     from cyclemap.maps.staircases.staircase import (
-        DriftingMap as DriftingMap,
         LocalNoise as LocalNoise,
         Staircase as Staircase,
         sample_staircase as sample_staircase,

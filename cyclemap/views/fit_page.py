@@ -4,6 +4,7 @@ staircase and turns.
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -95,9 +96,9 @@ def _cycle_panels(measured: MeasuredCycleMap | None) -> list[Panel]:
     return panels
 
 
-def draw_motion_law(axes: Axes, law: MotionLaw) -> None:
+def draw_motion_law(axes: Axes, law: MotionLaw, **look: Any) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
-    draw_outcome(axes, law.theta, law.value, law.quantity)
+    draw_outcome(axes, law.theta, law.value, law.quantity, **look)
     if law.law is None:
         say(axes, "no law")
     else:
@@ -123,10 +124,11 @@ def draw_worn_turns(axes: Axes, measured: MeasuredCycleMap) -> None:
     keep_to(axes, turns, min(ends), max(ends))
 
 
-def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
+def draw_turn_histogram(axes: Axes, histogram: TurnHistogram, **look: Any) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    axes.stairs(histogram.measured, edges, fill=True, label="measured", **BARS)
+    bars = {**BARS, "label": "measured", **look}
+    axes.stairs(histogram.measured, edges, fill=True, **bars)
     axes.stairs(histogram.predicted, edges, label="law with scatter", **LINE)
     # A law alone piles up where it is flat: columns that run out of the panel are told by their
     # height.

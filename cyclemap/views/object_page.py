@@ -19,7 +19,7 @@ from cyclemap.evidence.plan_pushes import PushPlan
 from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
-from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.layout import entitle, grid_of, page
 from cyclemap.views.panels.scene import (
     LATER,
     MM,
@@ -171,13 +171,9 @@ def plan_page(plan: PushPlan) -> Figure:
     tall = _WIDTH * plan.room[1] / plan.room[0] + _BESIDE
     size = (_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
     title, *words = plan_sentences(plan)
-    layout = rows_of(*(_COLUMNS,) * rows)
-    figure, panels = page(layout, title, words, _FOOT, size=size)
+    figure, panels = page(grid_of(count, _COLUMNS), title, words, _FOOT, size=size)
     for index, axes in enumerate(panels):
-        if index < count:
-            _draw_push(axes, plan, index)
-        else:
-            axes.set_axis_off()
+        _draw_push(axes, plan, index)
     return figure
 
 

@@ -494,6 +494,15 @@ def cycles(value: float | None) -> str:
     return "an unknown number of cycles" if value is None else f"{number(value)} cycles"
 
 
+def counted(count: int, noun: str, plural: str = "s") -> str:
+    """A number of things for people.
+
+    >>> counted(1, "cycle"), counted(3, "push", "es")
+    ('1 cycle', '3 pushes')
+    """
+    return f"{count} {noun}{plural * (count != 1)}"
+
+
 def listed(words: Iterable[str]) -> str:
     """Words in a row, with "and" before the last.
 

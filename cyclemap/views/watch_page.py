@@ -34,7 +34,7 @@ from cyclemap.views.panels.style import (
     whole_turn_ticks,
 )
 from cyclemap.views.reset_page import action_words
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, counted
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 # The panels of a course: the third is round.
@@ -149,7 +149,9 @@ def watch_sentences(report: BiasReport) -> tuple[str, ...]:
             f"of the {_power(report.threshold)} needed at an alarm rate of "
             f"{2.0 * 10.0**-report.threshold:g}"
         )
-        verdict = f"No alarm in {_pushes(report.push + 1)}: evidence {evidence} {needed}."
+        verdict = (
+            f"No alarm in {counted(report.push + 1, 'push', 'es')}: evidence {evidence} {needed}."
+        )
     sentences = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
     return tuple(filter(None, sentences))
 
@@ -172,7 +174,7 @@ def rest_sentence(report: BiasReport) -> str:
     if report.rest is None:
         return ""
     useful = report.useful_pushes
-    pushes = _pushes(useful) if useful else "no push"
+    pushes = counted(useful, "push", "es") if useful else "no push"
     worth = "" if useful is None else f"; {pushes} more there would tell much that is new"
     return (
         f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
@@ -186,9 +188,7 @@ def coverage_sentence(report: BiasReport) -> str:
         f"worth {effective:.{int(effective < 10.0)}f} spread evenly ({report.recent_worth:.2f} a "
         "push lately)"
     )
-    return (
-        f"{covered(report.coverage)}; the {_pushes(count)} {'is' if count == 1 else 'are'} {worth}."
-    )
+    return f"{covered(report.coverage)}; the {counted(count, 'push', 'es')} {'is' if count == 1 else 'are'} {worth}."
 
 
 def covered(state: CoverageState) -> str:
@@ -213,10 +213,6 @@ def next_action_sentence(action: CycleAction, chosen: NextAction) -> str:
 def directions(angles: Sequence[float]) -> str:
     """Directions (rad) in degrees, one after the other."""
     return ", ".join(angle(theta) for theta in angles)
-
-
-def _pushes(count: int) -> str:
-    return f"{count} push" if count == 1 else f"{count} pushes"
 
 
 def _power(log10: float) -> str:

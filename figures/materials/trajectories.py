@@ -15,7 +15,15 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array, evenly_spread, placed, shorter_way, stretches
+from cyclemap.arrays import (
+    TWO_PI,
+    Array,
+    along_way,
+    evenly_spread,
+    placed,
+    shorter_way,
+    stretches,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.laws.turn_bins import angle_histogram
@@ -141,7 +149,7 @@ def recorded_paths(
         # At equal times.
         clock = record.object_pose[:, 0]
         pose = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
-        courses.append(_at(np.linspace(clock[0], clock[-1], STATIONS), clock, pose))
+        courses.append(along_way(np.linspace(clock[0], clock[-1], STATIONS), clock, pose))
     poses = np.array(courses)
     poses[..., :2] -= MIT_TARGET
     return PushedPaths(surface, "", RECORDED, poses, run.pushes.theta)
@@ -183,13 +191,8 @@ def _simulated(
     for start, now in zip(theta[chosen].tolist(), cycle[chosen].tolist(), strict=True):
         worn = worn_loop(loop, now)
         course = worn.model.push(worn.start_pose(start), worn.push, float(travel[1])).trajectory
-        poses.append(_at(travel, course.path, course.pose))
+        poses.append(along_way(travel, course.path, course.pose))
     return PushedPaths(surface, loop.material.name, origin, np.array(poses), theta)
-
-
-def _at(places: Array, along: Array, values: Array) -> Array:
-    """Values (n, k), known along a way (n,), at some places of it (m,): (m, k)."""
-    return np.stack([np.interp(places, along, column) for column in values.T], axis=-1)
 
 
 def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:

@@ -18,7 +18,6 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.families.family import break_motion
-from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 from tests.maps.known_maps import DOUBLING
 from tests.refusals import refused
 
@@ -258,8 +257,6 @@ STAIRCASES = [
     (lambda: maps.predict_drift(RIGID, NOISE, 100), "give a DriftingMap"),
     (lambda: maps.predict_drift(DRIFT, NOISE, 1), "cycles must be at least 2"),
     (lambda: maps.compare_steps(SUMMARY, maps.find_steps(np.zeros(5))), "in this order"),
-    (lambda: kaplan_meier_mean([1.0, 2.0], [True]), "give n ≥ 1 of each"),
-    (lambda: kaplan_meier_mean([], []), "give n ≥ 1 of each"),
     (lambda: maps.find_steps([1.0]), "give 2 cycles at least"),
     (lambda: maps.find_steps([1.0, np.nan, 2.0]), "theta must be finite"),
     (lambda: maps.find_steps(np.zeros((2, 3))), "theta must have 1 axes"),

@@ -13,8 +13,7 @@ from cyclemap.evidence import Comparison, Theta0Pairs, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import compare_page as sentences
-from cyclemap.views.compare_page import compare_page, residual_page
-from cyclemap.views.verdicts import verdicts
+from cyclemap.views.compare_page import compare_page, residual_page, verdicts
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
 FACTS = {

@@ -13,7 +13,7 @@ from cyclemap.maps.estimate import EPS, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.quadrature import arc_rule
 
 ITERATES = 40_000

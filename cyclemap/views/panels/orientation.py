@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import Normal, Stroke
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from cyclemap.arrays import TWO_PI, Array, Mask
@@ -117,17 +117,15 @@ def draw_intervals(axes: Axes, known: Sequence[DirectionInterval]) -> None:
                 axes.axvspan(*band, label="may lie here", **{**BAND, "zorder": 0})
 
 
-def draw_measured(axes: Axes, theta: Array, value: Array, name: str = "measured") -> None:
+def draw_measured(axes: Axes, theta: Array, value: Array, **look: Any) -> None:
     """Measured values over orientations (rad), a light dot each."""
-    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, label=name, **DOTS)
+    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, **{**DOTS, "label": "measured", **look})
 
 
-def draw_outcome(
-    axes: Axes, theta: Array, values: Array, outcome: str, name: str = "measured"
-) -> None:
+def draw_outcome(axes: Axes, theta: Array, values: Array, outcome: str, **look: Any) -> None:
     """Measured values (SI) of an outcome of pushes over orientations (rad)."""
     _, label, scale, _ = OUTCOMES[outcome]
-    draw_measured(axes, theta, scale * values, name)
+    draw_measured(axes, theta, scale * values, **look)
     degree_axis(axes)
     axes.set_ylabel(label)
 
@@ -295,8 +293,8 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
             label=label,
         )
         if censored:
-            bar.set(color=UNSTABLE, linewidth=2.2)
-            bar.set_path_effects([Stroke(linewidth=5.0, foreground=INK), Normal()])
+            rim = withStroke(linewidth=5.0, foreground=INK)
+            bar.set(color=UNSTABLE, linewidth=2.2, path_effects=[rim])
         if steps.levels.size <= MOST_NAMED:
             name_beside_path(axes, start, end, height, angle(level), steps.climb >= 0.0)
     turning = f" less {360 * winding}° a cycle" if winding else ""
