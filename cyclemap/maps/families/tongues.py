@@ -34,7 +34,6 @@ from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 from cyclemap.progress import Progress
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
-_FAR = 3.0  # radians
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
@@ -186,12 +185,10 @@ class EdgeSearch:
         would add to it.
 
         So scaled, M has the same slope on both sides of zero, whichever point of the orbit is
-        extreme there; far from zero the plain M/q is straighter.
+        extreme there.
         """
         trial = self.trial(p)
-        height = trial.extremum[0]
-        far = abs(height) > _FAR
-        return height / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
+        return trial.extremum[0] / self._gained(trial, np.ones_like)
 
     def edge(self) -> tuple[Estimate, Array, str, bool]:
         """The edge, its orbit, why it is one, whether the map folds there."""
