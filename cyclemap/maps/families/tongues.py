@@ -45,9 +45,8 @@ _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _QUARTIC = np.linalg.solve(np.vander(_QUARTERS).T, np.vander(np.linspace(0.0, 1.0, 33), 5).T)
 
 
-Extremum = tuple[
-    float, float
-]  # the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
+# the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
+Extremum = tuple[float, float]
 
 
 def extreme_displacement(

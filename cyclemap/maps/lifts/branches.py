@@ -75,9 +75,8 @@ class MonotoneTable:
 
 TOUCH = 1e-12  # radians: a fold this near a level touches it
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
-_FLAT = (
-    1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
-)
+# slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
+_FLAT = 1e-11
 _UNKNOWN = 2
 
 

@@ -41,9 +41,8 @@ from cyclemap.maps.lifts.piecewise_lifts import (
     lift_from_branches,
 )
 
-Recipe = tuple[
-    Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]
-]  # a call that makes the map again
+# a call that makes the map again
+Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]
 
 Angles = Any  # a float, or an array of them
 Wave = Callable[..., Angles]

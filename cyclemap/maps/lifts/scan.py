@@ -173,16 +173,14 @@ def is_rising(cells: Cells) -> Mask:
 
 RESOLUTION = 512  # cells a turn, at least
 MAX_CELLS = 2_000_000
-MAX_ROUGH = (
-    8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
-)
+# cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
+MAX_ROUGH = 8_000
 _LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
 _PASSES = 60
 GRAIN = 1e-4  # radians: distance of the probes
 _SKEW = 0.04  # of a cell's width: no probe in its middle, where an odd misfit is zero
-_NARROW = (
-    0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
-)
+# of the width that the resolution asks for: narrower cells of F are marked in its iterates
+_NARROW = 0.2
 _MISFIT = 1e-3  # of the cell's steepest rise: how far the probes may lie off the cubic
 _HIDDEN_JUMP = 1e-6  # radians: a rise within 32 INSET beyond what the slopes explain
 _LEVELS_AT_ONCE = 2_048
