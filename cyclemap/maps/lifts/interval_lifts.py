@@ -99,15 +99,12 @@ class Jet:
         unknown.
         """
         arb = ball_library().arb
-        across = self._jet(across)
+        across = across if isinstance(across, Jet) else 0 * self + across
         angle = arb.atan2(self.value, across.value)
         if not across.value > 0 and self.value.contains(0):
             return Jet(angle, arb.nan())
         turned = across.value * self.slope - self.value * across.slope
         return Jet(angle, turned / (across.value * across.value + self.value * self.value))
-
-    def _jet(self, other: Jet | float) -> Jet:
-        return other if isinstance(other, Jet) else 0 * self + other
 
 
 IntervalLift = Callable[[Jet], Jet]
