@@ -45,11 +45,18 @@ def direction_deg(radians: float) -> float:
 NUMBER = Unit("", float)
 DEGREES = Unit("deg", math.degrees)
 MILLIMETRES = Unit("mm", lambda metres: 1e3 * metres)
+# What people are told SI units in.
+_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
 # Metadata of fields: angles, directions of the circle, cycles, and what is not written.
 ANGLE = {"unit": DEGREES}
 DIRECTION = {"unit": Unit("deg", direction_deg)}
 CYCLES = {"unit": Unit("cycles", float)}
 UNWRITTEN = {"name": ""}
+
+
+def readable_unit(unit: str) -> Unit:
+    """Return the unit that people are told numbers of an SI unit in."""
+    return _READABLE.get(unit, Unit(unit, float))
 
 
 def written(value: Any, unit: Unit = NUMBER) -> Any:

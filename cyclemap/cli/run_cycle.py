@@ -20,12 +20,13 @@ from cyclemap.cli.output import (
     write_json,
 )
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
+from cyclemap.collection.cycles import Cycles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     compare_dynamics,
-    isotropic_twin,
 )
-from cyclemap.collection.loop import CollectionLoop, Cycles
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection

@@ -25,7 +25,7 @@ from cyclemap.cli.output import (
     result_stem,
     styled,
 )
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
+from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
     PredictionCheck,
@@ -33,6 +33,7 @@ from cyclemap.collection.fingerprint_prediction import (
     predict,
 )
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow
 from cyclemap.collection.portrait import (
     Portrait,
     StaircaseForecast,

@@ -18,7 +18,7 @@ from cyclemap.plain_text import typeset
 from cyclemap.progress import Progress
 from cyclemap.protocol.chosen_loop import ChosenCollection, chosen_loop
 from cyclemap.views import sentences
-from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
+from cyclemap.views.explorer_page import Download, Section, page_html, provenance_of
 from cyclemap.views.panels.layout import render
 
 METHODS = (
@@ -114,7 +114,7 @@ def _beside_data(
     """
     from cyclemap.evidence.comparison.compare import compare
     from cyclemap.views import compare_page
-    from cyclemap.views.verdicts import verdicts
+    from cyclemap.views.compare_page import verdicts
 
     noise = None if chosen.sigma is None else WrappedNormal(chosen.sigma)
     compared = compare(drawn.loop, data, noise=noise, progress=progress)

@@ -17,8 +17,7 @@ from cyclemap.cli.collected import run_watch as module
 from cyclemap.cli.commands import WatchOptions
 from cyclemap.cli.main import run
 from cyclemap.cli.options import ResultOptions, TableOptions
-from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
-from cyclemap.collection.logged_turns import turns_after_log
+from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns, turns_after_log
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]

@@ -33,15 +33,15 @@ from cyclemap.evidence import (
     push_end_block,
     read_theta0_pairs,
 )
-from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
-from cyclemap.evidence.data_blocks.stroke_block import surface_model
 from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import (
     held_values,
     known_beliefs,
     known_shapes,
     known_spread,
+    telling_parameters,
 )
+from cyclemap.evidence.identification.stroke_block import surface_model
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PLATE_NAMES,

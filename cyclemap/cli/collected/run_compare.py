@@ -20,8 +20,14 @@ from cyclemap.evidence.comparison.push_agreement import (
 from cyclemap.evidence.laws.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
-from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
-from cyclemap.views.verdicts import told_sets, verdicts
+from cyclemap.views.compare_page import (
+    answered_sets,
+    compare_page,
+    data_sentence,
+    headline,
+    trust_sentences,
+    verdicts,
+)
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, degrees, json_of, written
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
@@ -64,7 +70,7 @@ def run_compare(asked: CompareOptions) -> None:
             people_table(
                 f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS, map(_push_cells, quantities)
             )
-            for whose, quantities in told_sets(compared)
+            for whose, quantities in answered_sets(compared)
         ),
         "" if compared.orientations is None else _tests_table(compared.orientations),
     )

@@ -16,13 +16,12 @@ from cyclemap.cli.options import pair_in_metres, words_of
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import (
+from cyclemap.evidence.identification.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
-    identify_collected,
 )
-from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors
-from cyclemap.evidence.identification.known_floor import known_shapes
+from cyclemap.evidence.identification.identify import Identification, KindErrors, NamedInterval
+from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
@@ -30,7 +29,7 @@ from cyclemap.evidence.identified_material import (
     identified_curves,
     identified_material,
 )
-from cyclemap.evidence.identified_words import implausible, readable_kind, readable_unit
+from cyclemap.evidence.identified_words import implausible, readable_kind
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
@@ -222,8 +221,8 @@ def identify_report(
     }
 
 
-def _in_its_unit(result: Estimate | Derived) -> Json:
-    unit = readable_unit(result.unit)
+def _in_its_unit(result: NamedInterval) -> Json:
+    unit = result.readable[0]
     return {**json_of(result, unit=Unit("", unit.of_si)), "unit": unit.ending or "1"}
 
 
@@ -267,11 +266,10 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     )
 
 
-def _readable(result: Estimate | Derived) -> tuple[str, str, str]:
+def _readable(result: NamedInterval) -> tuple[str, str, str]:
     """A value with its unit, and the ends of its interval."""
-    unit = readable_unit(result.unit)
-    numbers = (result.value, result.lower, result.upper)
-    value, lower, upper = (_digits(unit.of_si(number)) for number in numbers)
+    unit, *numbers = result.readable
+    value, lower, upper = map(_digits, numbers)
     return f"{value}{unit.sign}", lower, upper
 
 

@@ -36,8 +36,7 @@ from cyclemap.evidence.measured_plan import (
     robot_schedule,
     table_to_fill,
 )
-from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
+from cyclemap.evidence.plan_pushes import PushPlan, SetPush, plan_pushes
 from cyclemap.evidence.tables.data_kinds import files_of_data, recognise
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import chosen_loop

@@ -21,8 +21,7 @@ from cyclemap.cli.output import (
     publish_json,
     write_result,
 )
-from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
-from cyclemap.collection.logged_turns import turns_after_log
+from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns, turns_after_log
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput

@@ -23,6 +23,7 @@ import jinja2
 import numpy as np
 from PIL import Image
 
+from cyclemap.arrays import TWO_PI, along_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -48,6 +49,7 @@ _USUAL_FLOOR = ("mu_a", "mu_b", "phi_deg", "m0", "n0")
 _DOTS_PER_INCH, _COLOURS = 80, 48
 _FRAME_HEIGHT = 860
 CONTROLS = tuple(setting for setting in SETTINGS.values() if setting.label)
+_DEGREES = math.degrees(1.0)
 _UNITS = {MILLIMETRES: "mm", DEGREES: "°", NUMBER: ""}
 _AXES = ("phi_deg", "floor_bow_deg", "plate_warp_deg")
 CELLS = 360
@@ -226,7 +228,7 @@ def _digest(text: str) -> str:
 
 
 def _file(name: str) -> str:
-    return resources.files("cyclemap.views.explorer").joinpath(name).read_text(encoding="utf-8")
+    return (resources.files("cyclemap.views") / "explorer" / name).read_text(encoding="utf-8")
 
 
 def slider_values(loop: CollectionLoop, sigma: float) -> dict[str, float]:
@@ -281,7 +283,7 @@ def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
     """The portrait as the page draws it; where noise does not settle the distribution, its density
     is None.
     """
-    degrees = 2 * np.pi * np.arange(CELLS + 1) / CELLS
+    degrees = TWO_PI * np.arange(CELLS + 1) / CELLS
     certain, known, loop = portrait.operator.is_certain, portrait.uncertainty, portrait.loop
     ends = (
         []
@@ -297,7 +299,7 @@ def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
             *(typeset(sentence(portrait)) for sentence in _SENTENCES),
             f"{sentences.accuracy_line(portrait).capitalize()}.",
         ],
-        "density": _listed(2 * np.pi * portrait.operator.density(degrees[:-1]), 4)
+        "density": _listed(TWO_PI * portrait.operator.density(degrees[:-1]), 4)
         if certain
         else None,
         "turn": _listed(np.degrees(portrait.map.turn(degrees)), 3),
@@ -309,7 +311,7 @@ def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
             }
             for point in portrait.fixed_points
         ],
-        "staircase": {"every": every, "turns": _listed(path[::every] / (2 * np.pi), 4)},
+        "staircase": {"every": every, "turns": _listed(path[::every] / TWO_PI, 4)},
         "orbit": _listed(np.degrees(orbit), 4),
         "courses": courses,
         "scene": scene(loop),
@@ -328,13 +330,8 @@ def _courses(loop: CollectionLoop, start: float) -> tuple[list[float], list[list
         for stroke in (cycle.trajectory.push, cycle.trajectory.drag):
             # Evenly spread over the rod's way.
             places = np.linspace(stroke.path[0], stroke.path[-1], _FRAMES)
-            columns = [
-                *(1e3 * stroke.pose[:, :2].T),
-                np.degrees(stroke.pose[:, 2]),
-                *(1e3 * stroke.pusher.T),
-            ]
-            frames = np.transpose([np.interp(places, stroke.path, column) for column in columns])
-            strokes.append(_listed(frames, 2))
+            seen = np.column_stack([stroke.pose, stroke.pusher]) * [1e3, 1e3, _DEGREES, 1e3, 1e3]
+            strokes.append(_listed(along_way(places, stroke.path, seen), 2))
         courses.append(strokes)
     return orbit, courses
 
@@ -363,7 +360,7 @@ def measured(pairs: Theta0Pairs | None) -> dict[str, object] | None:
     return {
         "theta": _listed(np.degrees(pairs.theta) % 360.0, 2),
         "turn": _listed(np.degrees(pairs.turn), 2),
-        "staircase": None if pairs.path is None else _listed(pairs.path / (2 * np.pi), 4),
+        "staircase": None if pairs.path is None else _listed(pairs.path / TWO_PI, 4),
     }
 
 

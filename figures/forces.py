@@ -1,5 +1,5 @@
-"""A point's limit ellipse and its traction, the ellipse fitted to friction scans, and the forces of
-the patch.
+"""Forces on the object: a point's limit ellipse, the one fitted to friction scans, those of the
+patch; and the ratio of tangential to normal force at the rod over one push.
 """
 
 from __future__ import annotations
@@ -11,20 +11,39 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import TWO_PI, Array, Mask, placed
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
-from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
+from cyclemap.evidence.identification.force_blocks import (
+    SLIDING,
+    STICKING,
+    SlidingForces,
+    friction_ellipse_from_scans,
+    scan_traction,
+    sliding_forces,
+)
+from cyclemap.evidence.pushes.contact_forces import contact_samples
+from cyclemap.evidence.pushes.recordings import push_facts
+from cyclemap.mechanics import (
+    MIT_SHAPE_NAMES,
+    EllipseFriction,
+    PointFootprint,
+    Slider,
+    Trajectory,
+    grid_footprint,
+)
 from cyclemap.views.identify_page import draw_ellipses
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.scene import MM, draw_object
 from cyclemap.views.panels.style import (
+    EVEN,
     FORCE,
     INK,
+    LINE,
+    MARKS,
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    Look,
     arrow,
     cross,
     picture_style,
@@ -32,11 +51,11 @@ from cyclemap.views.panels.style import (
 )
 
 from .catalogue import NO_DATA, Exhibit, MeasuredFolder
-from .materials.paper_pushes import measured_scans
+from .materials.paper_pushes import measured_scans, push_file_names, readable_pushes
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.
-SLIDING = math.radians(100.0)
+DIRECTION = math.radians(100.0)
 # The ellipse of the first panel, drawn rounder than no surface is: Table I's axes differ too little
 # to be seen.
 SKETCHED = EllipseFriction(0.30, 0.15, m0=0.05, n0=0.02, phi=math.radians(25.0))
@@ -66,35 +85,33 @@ class LimitEllipseAndPatch:
     patch: PatchForces
 
 
-def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
+def limit_ellipse_and_patch(measured: MeasuredFolder) -> LimitEllipseAndPatch:
     """Read and fit the friction scans of rect1 on plywood where there are any, and run one push on
     the 8 x 8 grid.
     """
     loop = CollectionLoop.mit("plywood")
-    table, weight, scans, fitted = (
+    law, patch, table = (
+        loop.material.friction,
+        patch_forces(loop),
         measured_scans(measured, "plywood"),
-        loop.model.weight,
-        None,
-        None,
     )
-    if table is not None and len(table) >= _FEWEST_SCANS:
-        scans, fitted = (
-            scan_traction(table, weight),
-            friction_ellipse_from_scans(table, weight).friction(),
-        )
-    return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
+    if table is None or len(table) < _FEWEST_SCANS:
+        return LimitEllipseAndPatch(law, None, None, patch)
+    weight = loop.model.weight
+    fitted = friction_ellipse_from_scans(table, weight).friction()
+    return LimitEllipseAndPatch(law, scan_traction(table, weight), fitted, patch)
 
 
 def limit_curve(law: EllipseFriction) -> Array:
     """Return the limit ellipse as a closed polyline (241, 2), by the traction of every direction of
     sliding.
     """
-    angle = np.linspace(0.0, 2.0 * math.pi, 241)
+    angle = np.linspace(0.0, TWO_PI, 241)
     return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
 @picture_style()
-def draw(result: LimitEllipseAndPatch) -> Figure:
+def draw_limits(result: LimitEllipseAndPatch) -> Figure:
     """Draw the law of a point, the law of the surface, and the patch, side by side."""
     figure, (law, surface, patch) = page("abc", size=(13.0, 4.9))
     _draw_law(law)
@@ -104,7 +121,7 @@ def draw(result: LimitEllipseAndPatch) -> Figure:
 
 
 def _draw_law(axes: Axes) -> None:
-    law, velocity = SKETCHED, np.array([math.cos(SLIDING), math.sin(SLIDING)])
+    law, velocity = SKETCHED, np.array([math.cos(DIRECTION), math.sin(DIRECTION)])
     traction, centre = law.traction(velocity), _centre(law)
     axes.fill(*limit_curve(law).T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
     for reach, turn, name in ((law.mu_a, 0.0, "m"), (law.mu_b, 0.5 * math.pi, "n")):
@@ -184,11 +201,11 @@ def _turned(vector: Array, angle: float) -> Array:
     return placed(np.array([0.0, 0.0, angle]), vector)
 
 
-def caption(result: LimitEllipseAndPatch) -> str:
+def limit_caption(result: LimitEllipseAndPatch) -> str:
     """What the law says, how far scans and their fit lie from Table I, and what the patch adds up
     to.
     """
-    patch, lean = result.patch, math.degrees(lean_of(SKETCHED, SLIDING))
+    patch, lean = result.patch, math.degrees(lean_of(SKETCHED, DIRECTION))
     law, fitted = result.table, result.fitted
     surface = f"{NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
     if result.scans is not None and fitted is not None:
@@ -217,7 +234,7 @@ def lean_of(law: EllipseFriction, angle: float) -> float:
     traction.
     """
     traction = law.traction(np.array([math.cos(angle), math.sin(angle)]))
-    return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, 2.0 * math.pi))
+    return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, TWO_PI))
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,6 +291,183 @@ def _torque(lever: Array, force: Array) -> Array:
     return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
 
 
+FOLDER = "mit_files"
+# Most recorded pushes that are looked through for one that both sticks and slides.
+MOST_FILES = 120
+_SAMPLES = 240
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedRatio:
+    """travel (n,) m, of the rod; ratio (n,) tangential over normal force; sliding (n,); friction :
+    of the rod.
+
+    The tangent is a quarter turn counter-clockwise from the normal into the object.
+    """
+
+    travel: Array
+    ratio: Array
+    sliding: Mask
+    friction: float
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedRatio:
+    """The samples of one recorded push in which rod and object touch.
+
+    name : object, surface and speed. travel (n,) m; ratio (n,); sliding, sticking (n,) by the
+        motion alone, neither where the poses do not tell.
+    forces : of its pieces.
+    files : looked through; unreadable : those passed over.
+    """
+
+    name: str
+    travel: Array
+    ratio: Array
+    sliding: Mask
+    sticking: Mask
+    forces: SlidingForces
+    files: int
+    unreadable: int
+
+    @property
+    def friction(self) -> float:
+        """Median ratio of the sliding pieces, positive where friction goes with the slip."""
+        return float(np.median(self.forces.ratio))
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRatio:
+    """The predicted push, and the recorded one;
+    None where none was found that sticks and slides."""
+
+    predicted: PredictedRatio
+    recorded: RecordedRatio | None
+
+
+def force_ratio(measured: MeasuredFolder) -> ForceRatio:
+    """Run the MIT push on plywood from θ0 = 0, and read the recorded push that sticks and slides
+    most.
+    """
+    loop = CollectionLoop.mit("plywood")
+    push = loop.model.push(loop.start_pose(0.0), loop.push, loop.push.distance / _SAMPLES)
+    predicted = predicted_ratio(push.trajectory, loop.pusher.radius, loop.pusher.friction)
+    return ForceRatio(predicted, recorded_ratio(measured))
+
+
+def predicted_ratio(course: Trajectory, radius: float, friction: float) -> PredictedRatio:
+    """Return the ratio along a push of a rod of `radius` (m) and friction
+    coefficient `friction`."""
+    normal = (course.contact_point - course.pusher) / radius
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
+    along, into = (np.sum(course.contact_force * way, axis=1) for way in (tangent, normal))
+    sliding = np.char.startswith(course.mode, "slide")
+    return PredictedRatio(course.path, along / into, sliding, friction)
+
+
+def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
+    """Return the ratio of that recorded push of an MIT shape which has most samples of sticking and
+    of sliding both.
+    """
+    home = measured.find(FOLDER)
+    shapes = {}
+    for path in [] if home is None else push_file_names(home):
+        facts = push_facts(path)
+        if facts is not None and facts.object in MIT_SHAPE_NAMES:
+            shapes[path] = facts
+    records, unreadable = readable_pushes(list(shapes)[:MOST_FILES])
+    tried = []
+    for path, record in records:
+        outline = Slider.mit(str(shapes[path].object)).outline_points(360)
+        forces = sliding_forces([(record, outline)])
+        if forces.samples and forces.sticking:
+            tried.append((forces, shapes[path], record, outline))
+    if not tried:
+        return None
+    most = max(tried, key=lambda push: min(push[0].samples, push[0].sticking))
+    forces, facts, record, outline = most
+    samples = contact_samples(record, outline)
+    kept = samples.touching & np.isfinite(samples.slip)
+    slip = np.abs(samples.slip[kept])
+    # The rod's way at the times of the wrenches that both other clocks cover.
+    tip, time = record.tip_pose, record.ft_wrench[:, 0]
+    clocks = record.object_pose[:, 0], tip[:, 0]
+    time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
+    travel = np.interp(time, tip[:, 0], travelled)[kept]
+    ratio = samples.force[kept].imag / samples.force[kept].real
+    name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
+    sliding, sticking = slip > SLIDING, slip < STICKING
+    return RecordedRatio(name, travel, ratio, sliding, sticking, forces, len(records), unreadable)
+
+
+@picture_style()
+def draw_ratio(result: ForceRatio) -> Figure:
+    """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on
+    one scale.
+    """
+    predicted, recorded = result.predicted, result.recorded
+    ratios = [predicted.ratio] if recorded is None else [predicted.ratio, recorded.ratio]
+    half = 1.2 * max(float(np.abs(ratio).max()) for ratio in ratios)
+    figure, (left, *right) = page("ab"[: len(ratios)], size=(5.5 * len(ratios), 4.3))
+    _bounds(left, predicted.friction)
+    travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
+    left.plot(travel, predicted.ratio, label="sliding", **{**LINE, "linewidth": 1.2})
+    left.plot(travel, sticking, label="sticking", **{**LINE, "linewidth": 3.0})
+    entitle(left, "Predicted, plywood")
+    if recorded is not None:
+        _draw_recorded(right[0], recorded)
+    for axes in (left, *right):
+        axes.set(ylim=(-half, half), xlabel="travel of the rod (mm)")
+    left.set_ylabel("tangential / normal force (1)")
+    return figure
+
+
+def _bounds(axes: Axes, friction: float) -> None:
+    for bound in (-friction, friction):
+        axes.axhline(bound, label=f"±μp = ±{friction:.2f}", **EVEN)
+
+
+def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
+    _bounds(axes, recorded.friction)
+    unclear = ~(recorded.sliding | recorded.sticking)
+    kinds: tuple[tuple[str, Mask, Look], ...] = (
+        ("sliding", recorded.sliding, {"marker": "o", "markerfacecolor": "white"}),
+        ("sticking", recorded.sticking, {"marker": "o"}),
+        ("neither", unclear, {"marker": ".", "color": QUIET, "markeredgewidth": 0.0}),
+    )
+    for name, chosen, look in kinds:
+        places = MM * recorded.travel[chosen], recorded.ratio[chosen]
+        axes.plot(*places, label=name, **{**MARKS, **look})
+    entitle(axes, f"Recorded, {recorded.name}")
+
+
+def ratio_caption(result: ForceRatio) -> str:
+    """Where the predicted ratio sits, and where the recorded one does."""
+    predicted, recorded = result.predicted, result.recorded
+    stuck = predicted.travel[~predicted.sliding]
+    words = (
+        "Ratio of tangential to normal force of the rod on the object over one push; the tangent "
+        "is a quarter turn counter-clockwise from the normal into the object. The push from θ0 = 0 "
+        f"on plywood, predicted: ±{predicted.friction:.2f} where the rod slides (thin), between "
+        f"where it sticks (thick, from {MM * stuck[0]:.0f} to {MM * stuck[-1]:.0f} mm)."
+    )
+    if recorded is None:
+        return (
+            f"{words} {NO_DATA.capitalize()} of a push that sticks and slides (sought in {FOLDER})."
+        )
+    over = float(np.mean(np.abs(recorded.ratio[recorded.sticking]) < recorded.friction))
+    damaged = f" ({recorded.unreadable} more could not be read)" if recorded.unreadable else ""
+    return (
+        f"{words} On the right, of {recorded.files} recorded pushes{damaged} the one that both "
+        f"sticks and slides most, {recorded.name}. Whether the rod slides is read off the motion, "
+        f"not off the forces. While it slides the ratio is {recorded.friction:.3f} (median of "
+        f"{len(recorded.forces.ratio)} pieces; the paper's push has 0.15); while it sticks "
+        f"{100 * over:.0f} % of the samples lie below that."
+    )
+
+
 EXHIBITS = {
-    "limit-ellipse-and-patch": Exhibit(compute, caption, draw),
+    "limit-ellipse-and-patch": Exhibit(limit_ellipse_and_patch, limit_caption, draw_limits),
+    "force-ratio": Exhibit(force_ratio, ratio_caption, draw_ratio),
 }

@@ -1,5 +1,5 @@
-"""The dynamic simulation: paths on plywood and on isotropic friction (Figs. 11 and 12), and what
-inertia changes against the quasi-static model.
+"""The set-up of the repeated push, to scale, and two cycles of push and drag that follow each
+other.
 """
 
 import math
@@ -10,16 +10,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     DynamicsComparison,
     compare_dynamics,
-    isotropic_twin,
 )
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.loop_surfaces import isotropic_twin
+from cyclemap.mechanics import Trajectory
 from cyclemap.views.experiment_page import (
+    differences,
     draw_paths,
     draw_place_differences,
     draw_turn_differences,
@@ -31,16 +33,135 @@ from cyclemap.views.experiment_page import (
     spread_sentence,
 )
 from cyclemap.views.panels.layout import Panel, entitle, page, picture
+from cyclemap.views.panels.scene import MM, draw_object, draw_setup, mark_target
 from cyclemap.views.panels.style import (
+    FORCE,
     FOURTH,
+    INK,
     LINE,
+    PREDICTED,
+    QUIET,
     THIRD,
+    Look,
+    arrow,
     picture_style,
     plain_ticks,
     square_window,
 )
+from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, MeasuredFolder
+
+# Where the first cycle starts: there the cycle turns the object enough to be seen.
+START = math.radians(270.0)
+# The shade of the first cycle and of the second, by lightness.
+_CYCLE_COLOURS = (QUIET, PREDICTED)
+_ARROW, _WORDS = 38.0, 46.0
+_NAMES = (("k", "ᵏ"), ("k+1", "ᵏ⁺¹"))
+
+
+@dataclass(frozen=True, eq=False)
+class SetupAndCycles:
+    """The loop, and two cycles of it, the second from where the first ended."""
+
+    loop: CollectionLoop
+    cycles: tuple[Cycle, Cycle]
+
+    @property
+    def contact(self) -> Array:
+        """(2,) m, where the rod first touches, in the object's frame."""
+        side = np.array(self.loop.slider.outline.points(4))
+        first, second = side[self.loop.push.side], side[self.loop.push.side + 1]
+        return np.asarray(first + self.loop.push.fraction * (second - first))
+
+
+def compute(measured: MeasuredFolder) -> SetupAndCycles:
+    """Run two cycles of the MIT loop on plywood from `START`; nothing here is measured."""
+    loop = CollectionLoop.mit("plywood")
+    first = loop.cycle(START)
+    return SetupAndCycles(loop, (first, loop.cycle(first.theta_next)))
+
+
+@picture_style()
+def draw(result: SetupAndCycles) -> Figure:
+    """Draw the set-up in the object's frame on the left, the two cycles in the world on the
+    right."""
+    figure, (setup, cycles) = page("ab", size=(11.0, 5.9), keys=2)
+    draw_setup(setup, result.loop)
+    _draw_lengths(setup, result)
+    _draw_cycles(cycles, result)
+    return figure
+
+
+def _draw_lengths(axes: Axes, result: SetupAndCycles) -> None:
+    """The lengths of the set-up, and the ring's distance from the centre."""
+    loop, contact = result.loop, MM * result.contact
+    hitch, (left, low) = MM * np.array(loop.slider.hitch), MM * loop.slider.outline.points(4).min(0)
+    axes.plot([0.0, hitch[0]], [0.0, hitch[1]], color=QUIET, linewidth=1.0, linestyle="--")
+    _dimension(axes, contact[0], 0.0, contact[1] + 22.0)
+    _dimension(axes, left, -left, low - 15.0)
+
+
+def _dimension(axes: Axes, start: float, end: float, level: float) -> None:
+    """A level line with arrows at both ends and its length."""
+    look = {"arrowstyle": "<->", "color": INK, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=(end, level), xytext=(start, level), arrowprops=look)
+    middle, length = 0.5 * (start + end), f"{abs(end - start):.0f} mm"
+    axes.text(middle, level + 2.0, length, fontsize=8, ha="center", va="bottom")
+
+
+def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
+    corners = []
+    outline = result.loop.slider.outline_points()
+    shown = zip(result.cycles, _NAMES, _CYCLE_COLOURS, strict=True)
+    for cycle, (index, raised), colour in shown:
+        push, drag = cycle.trajectory.push, cycle.trajectory.drag
+        for pose, width in zip(push.pose[[0, -1]], (1.6, 0.7), strict=True):
+            look: Look = {"facecolor": "none", "edgecolor": colour, "linewidth": width}
+            draw_object(axes, placed(pose, outline), **look)
+        _path(axes, push, colour, "-", f"push {index}")
+        _path(axes, drag, colour, (0, (4, 2)), f"drag back {index}")
+        tip = MM * push.pusher[0]
+        # The touched side's inward normal is -y in the object's frame.
+        turned = np.array([0.0, 0.0, cycle.theta + result.loop.push.angle])
+        way = placed(turned, np.array([0.0, -1.0]))
+        corners.append(tip - (_ARROW + _WORDS) * way)
+        arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
+        words = f"push {index}, from\nθ₀{raised} = {angle(cycle.theta, 0)}"
+        x, y = (tip - (_ARROW + 4.0) * way).tolist()
+        lean = "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
+        axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
+    mark_target(axes)
+    square_window(axes, np.vstack([axes.dataLim.get_points(), *corners]))
+    axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
+    entitle(axes, "Path of the centre in cycles k and k+1")
+
+
+def _path(axes: Axes, course: Trajectory, colour: str, dash: object, label: str) -> None:
+    path = MM * course.pose[:, :2]
+    axes.plot(*path.T, color=colour, linestyle=dash, linewidth=2.2, label=label, zorder=5)
+    middle = len(path) // 2
+    arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
+
+
+def caption(result: SetupAndCycles) -> str:
+    """The lengths of the set-up, and how the orientation goes from one cycle to the next."""
+    loop, (first, second) = result.loop, result.cycles
+    angles = [
+        math.degrees(turn) for turn in (first.theta, first.push_turn, first.drag_turn, second.theta)
+    ]
+    return (
+        f"Left: a square of {MM * np.ptp(loop.slider.outline.points(4)[:, 0]):.0f} mm is pushed "
+        f"over {MM * loop.push.distance:.0f} mm at side {loop.push.side}, "
+        f"{MM * abs(result.contact[0]):.0f} mm from its middle, and dragged back by a ring "
+        f"{MM * math.hypot(*loop.slider.hitch):.0f} mm from its centre; the size of the ring is "
+        "not published, that drawn is free. Right: path of the centre in two cycles that follow "
+        f"each other, solid in the push, dashed in the drag, computed on {loop.material.name}. "
+        "Arrows are the directions of the pushes, alike in the object's frame; beside them, the "
+        f"orientation before the push. From θ0 = {angles[0]:.0f}° the push turns the object by "
+        f"{angles[1]:.1f}°, the drag by {angles[2]:.1f}°, so that the next push starts at "
+        f"{angles[3]:.1f}°: the ring is back at its target, the centre is not where it was."
+    )
 
 
 def paper_experiment(
@@ -121,7 +242,7 @@ def inertia_study(
     """
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
-    theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
+    theta, some = (TWO_PI * np.arange(count) / count for count in (orientations, fewer))
     differences = np.empty((2, len(speeds)))
     for row, each in zip(differences, (loop, twin), strict=True):
         slower = (
@@ -168,26 +289,15 @@ def inertia_caption(study: InertiaStudy) -> str:
     left = math.degrees(float(study.differences[:, int(study.speeds.argmin())].max()))
     return (
         f"The paper's dynamic simulation less the quasi-static model at {speed:g} mm/s: "
-        f"{_at_most(study.material)} on plywood, {_at_most(study.isotropic)} on isotropic "
+        f"{differences(study.material, 2)} on plywood, {differences(study.isotropic, 2)} on isotropic "
         f"friction. The difference of a cycle falls with the speed to the power {first:.2f} on "
         f"plywood and {second:.2f} on isotropic friction: inertia enters as the speed squared. At "
         f"{slowest} mm/s {left:.3f}° are left."
     )
 
 
-def _at_most(comparison: DynamicsComparison) -> str:
-    push, drag, cycle = (
-        math.degrees(largest(comparison.difference(name)))
-        for name in ("push_turn", "drag_turn", "theta_next")
-    )
-    place = 1e3 * largest(comparison.difference("push_displacement"))
-    return (
-        f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle "
-        f"and {place:.2f} mm"
-    )
-
-
 EXHIBITS = {
+    "setup-and-cycle": Exhibit(compute, caption, draw),
     "anisotropic-against-isotropic": Exhibit(paper_experiment, experiment_caption, draw_experiment),
     "dynamic-against-quasi-static": Exhibit(inertia_study, inertia_caption, draw_inertia),
 }

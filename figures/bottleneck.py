@@ -1,4 +1,6 @@
-"""Figure: a staircase and the bottleneck of the cycle map that makes it, computed and measured."""
+"""A staircase and the bottleneck of the cycle map that makes it, computed and measured; and the
+bottleneck as plywood wears: it opens, and a turn takes fewer and fewer cycles.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,17 +13,20 @@ from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import (
-    AngleHistogram,
+    MeasuredCycleMap,
     TurnBins,
     angle_histogram,
     fit_map,
+    measured_cycle_map,
     read_theta0_pairs,
     turn_bins,
 )
 from cyclemap.evidence.laws.fit_map import HARMONICS
+from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import (
     CircleMap,
     SlowPassage,
@@ -39,6 +44,7 @@ from cyclemap.views.panels.orientation import (
     PER_DEGREE,
     draw_histogram,
     draw_medians,
+    draw_pace,
     draw_turns,
 )
 from cyclemap.views.panels.style import (
@@ -49,12 +55,15 @@ from cyclemap.views.panels.style import (
     PATH,
     PREDICTED,
     SECOND,
+    THIRD,
+    ZERO,
     Look,
     count_axis,
     degree_axis,
     picture_style,
+    plain_ticks,
 )
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import LONGEST_STAY, angle
 
 from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 from .loop_family import with_ring_at
@@ -72,11 +81,9 @@ class Bottleneck:
     """A map with a bottleneck, and a path through it.
 
     passage : the slowest. prediction : the staircase of map and noise. density : (721,) per rad on
-        [0, 2π] by the
-    transfer operator. path : (m,) rad, unwrapped. lengths : cycles of its visits of the predicted
-        slow zone that were seen whole; visit : mean and standard deviation of one as predicted, nan
-        where they could not be computed.
-    histogram : of the path's directions. bins : medians of measured turns, None of a sampled path.
+        [0, 2π] by the transfer operator. path : (m,) rad, unwrapped.
+    lengths : cycles of the path's visits of the predicted slow zone that were seen whole.
+    bins : medians of measured turns, None of a sampled path.
     run : (m,) rad, of a measured path: one noisy path from the same start of the map fitted with
         wear; else None.
     """
@@ -89,10 +96,16 @@ class Bottleneck:
     density: Array
     path: Array
     lengths: Array
-    visit: tuple[float, float]
-    histogram: AngleHistogram
     bins: TurnBins | None = None
     run: Array | None = None
+
+    @property
+    def visit(self) -> tuple[float, float]:
+        """Mean and standard deviation of one visit as predicted, cycles; nan where they could not
+        be computed.
+        """
+        zone = self.prediction.zones[0]
+        return float(zone.visit_cycles or math.nan), float(zone.visit_spread or math.nan)
 
 
 @dataclass(frozen=True)
@@ -105,7 +118,7 @@ class StaircaseBottleneck:
     measured: Bottleneck | None
 
 
-def compute(
+def staircase_bottleneck(
     measured: MeasuredFolder, cycles: int = 20_000, tolerance: float = 1e-5
 ) -> StaircaseBottleneck:
     """Find the bottlenecks, predict their staircases, and walk a path of `cycles` cycles through
@@ -162,28 +175,13 @@ def bottleneck(
             f"{title}: the map has no bottleneck; move the ring nearer to the saddle-node"
         )
     slowest = max(passages, key=lambda passage: passage.passage_cycles)
-    steps, zone = find_steps(path, zones=prediction.zones), prediction.zones[0]
+    steps, density = find_steps(path, zones=prediction.zones), operator.density(CIRCLE)
     lengths = steps.lengths[~steps.censored].astype(float)
-    mean, spread = (
-        math.nan if value is None else value for value in (zone.visit_cycles, zone.visit_spread)
-    )
-    return Bottleneck(
-        title,
-        circle_map,
-        sigma,
-        slowest,
-        prediction,
-        operator.density(CIRCLE),
-        path,
-        lengths,
-        (mean, spread),
-        angle_histogram(path),
-        bins,
-    )
+    return Bottleneck(title, circle_map, sigma, slowest, prediction, density, path, lengths, bins)
 
 
 @picture_style()
-def draw(result: StaircaseBottleneck) -> Figure:
+def draw_bottleneck(result: StaircaseBottleneck) -> Figure:
     """A row for the computed bottleneck and one for the measured, where there is case.
 
     Each shows map, directions, staircase, lengths of visits.
@@ -226,7 +224,7 @@ def _draw_turn(axes: Axes, case: Bottleneck) -> None:
 
 def _draw_directions(axes: Axes, case: Bottleneck) -> None:
     look = BAND if case.bins is None else BARS
-    draw_histogram(axes, case.histogram, _seen(case), fill=True, **look)
+    draw_histogram(axes, angle_histogram(case.path), _seen(case), fill=True, **look)
     axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **LINE)
     theta, pace = _parabola(case)
     share = PER_DEGREE * float(case.prediction.mean_turn) / (TWO_PI * pace)
@@ -238,13 +236,12 @@ def _draw_directions(axes: Axes, case: Bottleneck) -> None:
 def _draw_path(axes: Axes, case: Bottleneck) -> None:
     """The path in turns from its start, beside the fitted map's run, or its mean pace."""
     shown = case.path if case.bins is not None else case.path[: DRAWN + 1]
-    pace = float(case.prediction.mean_turn)
     run = {**LINE, "linewidth": 1.2}
     turns = (shown - shown[0]) / TWO_PI
     axes.plot(turns, label=_seen(case), **(run if case.bins is None else PATH))
     if case.run is None:
-        mean = pace / TWO_PI * np.arange(shown.size)
-        axes.plot(mean, label="its mean", **FOURTH)
+        pace = float(case.prediction.mean_turn) / TWO_PI
+        axes.plot(pace * np.arange(shown.size), label="its mean", **FOURTH)
     else:
         axes.plot((case.run - case.run[0]) / TWO_PI, label="run of the fitted map", **run)
     count_axis(axes, "cycle", shown.size - 1)
@@ -265,7 +262,7 @@ def _draw_lengths(axes: Axes, case: Bottleneck) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
 
 
-def caption(result: StaircaseBottleneck) -> str:
+def bottleneck_caption(result: StaircaseBottleneck) -> str:
     """What is seen, with its numbers."""
     computed = result.computed
     mean, spread = computed.visit
@@ -283,7 +280,7 @@ def caption(result: StaircaseBottleneck) -> str:
         return f"{words} Of the robot's own staircase {NO_DATA}."
     climbs = ""
     if seen.run is not None:
-        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (seen.run, seen.path))
+        climbed, measured = ((path[-1] - path[0]) / TWO_PI for path in (seen.run, seen.path))
         climbs = (
             f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the "
             f"measured path {measured:.1f}."
@@ -299,6 +296,164 @@ def caption(result: StaircaseBottleneck) -> str:
     )
 
 
+MATERIAL = "plywood-measured"
+AGES = (250, 1000, 1750)
+# Cycles: pushes that far from an age say where the measured map of that age is known.
+NEAR = 240
+
+
+@dataclass(frozen=True, eq=False)
+class WearDrift:
+    """The map over the cycles, computed and measured.
+
+    cycles : (n,).
+    least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is.
+    turns : the turn (rad) at `CIRCLE` at AGES, computed; measured_turns : as fitted, nan where the
+        robot hardly was; None without data.
+    ages, rotation : (k,) rotation numbers, turns a cycle, of the map frozen at some cycles, with
+        noise.
+    error : rad, bound on that of the maps between those computed.
+    pace : cycles of each measured turn, beside what the fitted map foretells; None without data.
+    """
+
+    cycles: Array
+    least: Array
+    turns: tuple[Array, ...]
+    ages: Array
+    rotation: Array
+    error: float
+    pace: TurnPace | None = None
+    measured_least: Array | None = None
+    measured_turns: tuple[Array, ...] | None = None
+
+    @property
+    def opened(self) -> float:
+        """The cycle from which on no direction repeats; nan where one always does or never did."""
+        crossing = np.flatnonzero((self.least[:-1] < 0.0) & (self.least[1:] >= 0.0))
+        if crossing.size == 0:
+            return math.nan
+        at = slice(crossing[-1], crossing[-1] + 2)
+        return float(np.interp(0.0, self.least[at], self.cycles[at]))
+
+    @property
+    def cycles_a_turn(self) -> Array:
+        """Cycles in which the frozen map climbs a turn, at `ages`; nan where it takes more than any
+        collection has.
+        """
+        climbs = self.rotation > 1.0 / LONGEST_STAY
+        never = np.full(climbs.shape, np.nan)
+        return np.asarray(np.divide(1.0, self.rotation, out=never, where=climbs))
+
+    @property
+    def expected_turns(self) -> float:
+        """Turns over the run, as if each cycle's map had been there for ever."""
+        return float(np.trapezoid(self.rotation, self.ages))
+
+
+def wear_drift(
+    measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None
+) -> WearDrift:
+    """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its
+    wear.
+
+    points : ages at which the pace is foretold.
+    runs : paths of the fitted map a measured turn.
+    harmonics : of the fitted map, None to choose them.
+    """
+    loop = CollectionLoop.mit(material=MATERIAL)
+    wear = loop.material.wear
+    assert wear is not None
+    drifting = drifting_map(loop, int(wear.cycles) + 1)
+    ages = np.linspace(0.0, wear.cycles, points)
+    noise = WrappedNormal(DEFAULT_SIGMA)
+    rotation = [transfer_operator(drifting.at(age), noise).rotation_number for age in ages.tolist()]
+    cycles = np.linspace(0.0, wear.cycles, 41)
+    turns = tuple(drifting.at(float(age)).turn(CIRCLE) for age in AGES)
+    least = np.array([drifting.at(float(age)).turn(CIRCLE).min() for age in cycles])
+    computed = WearDrift(cycles, least, turns, ages, np.array(rotation), drifting.max_error)
+    file = measured.find(THETA0_FILE)
+    if file is None:
+        return computed
+    fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
+    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(CIRCLE).min() for n in cycles])
+    seen = tuple(_where_seen(fitted, age) for age in AGES)
+    pace = None if fitted.forecast is None else fitted.forecast.pace
+    return replace(computed, pace=pace, measured_least=fitted_least, measured_turns=seen)
+
+
+def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
+    """The fitted turn at `CIRCLE`, nan where no push within NEAR cycles of the age began within 8°
+    of there.
+    """
+    pairs = fitted.pairs
+    assert pairs.cycle is not None
+    near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], TWO_PI))
+    around = np.concatenate([near[-1:] - TWO_PI, near, near[:1] + TWO_PI])
+    after = np.clip(np.searchsorted(around, CIRCLE), 1, around.size - 1)
+    apart = np.minimum(np.abs(around[after] - CIRCLE), np.abs(CIRCLE - around[after - 1]))
+    turn = fitted.fitted.map_at(float(age)).turn(CIRCLE)
+    return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
+
+
+@picture_style()
+def draw_wear(result: WearDrift) -> Figure:
+    """The turn at three ages, computed and measured; the least turn and the cycles of a turn over
+    the cycles.
+    """
+    seen = result.measured_turns
+    layout = "aa;cd" if seen is None else "ab;cd"
+    figure, (computed, *measured, least, pace) = page(layout, size=(10.5, 6.8))
+    draw_turns(computed, CIRCLE, _by_age(result.turns))
+    entitle(computed, "Computed: turn of a cycle")
+    if seen is not None:
+        draw_turns(measured[0], CIRCLE, _by_age(seen))
+        measured[0].sharey(computed)
+        entitle(measured[0], "Measured: turn of a cycle, fitted")
+    least.axhline(0.0, **ZERO)
+    least.plot(result.cycles, np.degrees(result.least), label="computed", **LINE)
+    if result.measured_least is not None:
+        fitted = np.degrees(result.measured_least)
+        least.plot(result.cycles, fitted, label="measured, fitted", **THIRD)
+    count_axis(least, "cycle", int(result.cycles[-1]))
+    least.set_ylabel("least turn of a cycle (°)")
+    entitle(least, "The bottleneck opens")
+    pace.plot(result.ages, result.cycles_a_turn, marker="o", label="computed", **LINE)
+    if result.pace is not None:
+        draw_pace(pace, result.pace)
+    pace.set(xlabel="cycle", ylabel="cycles a turn", xlim=(0, result.cycles[-1]), yscale="log")
+    pace.set_ylim(15, 1000)
+    plain_ticks(pace.yaxis, (20, 50, 100, 200, 500))
+    entitle(pace, "Cycles a turn")
+    return figure
+
+
+def _by_age(turns: tuple[Array, ...]) -> dict[str, Array]:
+    return {f"cycle {age}": turn for age, turn in zip(AGES, turns, strict=True)}
+
+
+def wear_caption(result: WearDrift) -> str:
+    """What is seen, with its numbers."""
+    last, least = result.cycles_a_turn[-1], np.degrees(result.least[[0, -1]])
+    words = (
+        f"The cycle map of {MATERIAL}, whose friction was inferred from the measured staircase, as "
+        f"the surface wears. The least turn of a cycle grows from {least[0]:.2f}° on the fresh "
+        f"surface to {least[1]:.2f}° after {result.cycles[-1]:.0f} cycles: up to about cycle "
+        f"{result.opened:.0f} a stable direction holds the robot and only noise "
+        f"({angle(DEFAULT_SIGMA)}) frees it, then the bottleneck opens, and at the end "
+        f"a turn takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
+    )
+    pace = result.pace
+    if pace is None:
+        return f"{words} Of the robot's own turns {NO_DATA}."
+    return (
+        f"{words} The robot's own turns took {pace.measured[0]:.0f} cycles early on and "
+        f"{pace.measured[-1]:.0f} late (the measured curves are drawn where it has been within "
+        f"{NEAR} cycles); a map fitted to its path, free to wear, holds {100 * pace.inside:.0f} % "
+        "of them within its 95 % bands."
+    )
+
+
 EXHIBITS = {
-    "staircase-bottleneck": Exhibit(compute, caption, draw),
+    "staircase-bottleneck": Exhibit(staircase_bottleneck, bottleneck_caption, draw_bottleneck),
+    "wear-drift": Exhibit(wear_drift, wear_caption, draw_wear),
 }
