@@ -16,9 +16,9 @@ from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     DynamicsComparison,
     compare_dynamics,
-    isotropic_twin,
 )
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.mechanics import Trajectory
 from cyclemap.views.experiment_page import (
     differences,

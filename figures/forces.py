@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import TWO_PI, Array, Mask, placed
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_blocks import (
+from cyclemap.evidence.identification.force_blocks import (
     SLIDING,
     STICKING,
     SlidingForces,
@@ -22,7 +22,7 @@ from cyclemap.evidence.data_blocks.force_blocks import (
     sliding_forces,
 )
 from cyclemap.evidence.pushes.contact_forces import contact_samples
-from cyclemap.evidence.pushes.mit_names import push_facts
+from cyclemap.evidence.pushes.recordings import push_facts
 from cyclemap.mechanics import (
     MIT_SHAPE_NAMES,
     EllipseFriction,
@@ -395,7 +395,7 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
     travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
     travel = np.interp(time, tip[:, 0], travelled)[kept]
-    ratio = samples.tangential[kept] / samples.pressing[kept]
+    ratio = samples.force[kept].imag / samples.force[kept].real
     name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
     sliding, sticking = slip > SLIDING, slip < STICKING
     return RecordedRatio(name, travel, ratio, sliding, sticking, forces, len(records), unreadable)

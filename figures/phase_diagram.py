@@ -14,9 +14,10 @@ from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprint
+from cyclemap.collection.fingerprint import TurnResponse, fingerprint
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.rotation import draw_shades

@@ -20,7 +20,7 @@ from cyclemap.evidence.comparison.replay_push import Replay
 from cyclemap.evidence.comparison.replay_table import ReplayedPushes
 from cyclemap.evidence.identified_words import MOST_RATIO
 from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
-from cyclemap.evidence.push_plan.plan_pushes import PushPlan
+from cyclemap.evidence.plan_pushes import PushPlan
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.evidence.tables.pose_streams import Segments

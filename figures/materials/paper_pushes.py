@@ -26,11 +26,10 @@ import numpy as np
 
 from cyclemap.errors import DataFileError, unknown_name
 from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
-from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS
+from cyclemap.evidence.identification.force_blocks import SCAN_FIELDS
 from cyclemap.evidence.laws.push_sets import FEWEST
-from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.recordings import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, push_facts, scan_facts
 from cyclemap.evidence.tables.data_kinds import SUFFIXES
 from cyclemap.views.sentences import listed
 

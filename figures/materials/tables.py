@@ -11,7 +11,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.fingerprint import Anisotropy
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import PushSet, friction_ellipse_from_scans, push_statistics
 from cyclemap.evidence.laws.set_fit import MotionLaw

@@ -27,7 +27,7 @@ from cyclemap.arrays import (
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.laws.turn_bins import angle_histogram
-from cyclemap.evidence.pushes.mit_names import push_facts
+from cyclemap.evidence.pushes.recordings import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.views.panels.layout import entitle, page, rows_of
 from cyclemap.views.panels.scene import MM

@@ -10,9 +10,9 @@ from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, identify, read_push_file
-from cyclemap.evidence.data_blocks.force_blocks import force_ratio_block, sliding_forces
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_name
+from cyclemap.evidence.identification.force_blocks import force_ratio_block, sliding_forces
 from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.pushes.recordings import PushFacts, push_name
 from cyclemap.evidence.recorded_push import Recording, record_push
 from cyclemap.figures import forces as figure
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder

@@ -165,16 +165,18 @@ static void add_rims(Pressed *at, const double *semi, const Stop *from, double t
     double x = from->at[X], y = from->at[Y];
     for (int i = 0; i < count; ++i) {
         double middle_x = c * x - s * y, middle_y = c * y + s * x;
-        Arc arc = {
-            .a = {semi[X] * x, semi[Y] * y},
-            .c = {semi[X] * middle_x / c, semi[Y] * middle_y / c},
-            .weight = c,
+        double arc[CURVE_SIZE] = {
+            [CURVE_START_X] = semi[X] * x,
+            [CURVE_START_Y] = semi[Y] * y,
+            [CURVE_MIDDLE_X] = semi[X] * middle_x / c,
+            [CURVE_MIDDLE_Y] = semi[Y] * middle_y / c,
+            [CURVE_WEIGHT] = c,
         };
         x = c * middle_x - s * middle_y;
         y = c * middle_y + s * middle_x;
-        arc.b[X] = semi[X] * x;
-        arc.b[Y] = semi[Y] * y;
-        put_arc(at, &arc);
+        arc[CURVE_END_X] = semi[X] * x;
+        arc[CURVE_END_Y] = semi[Y] * y;
+        put_arc(&at->arcs, arc);
     }
 }
 
@@ -278,14 +280,17 @@ static void place_at(const Conic *k, double u, double v, Place *place) {
     *place = (Place){u, v, {x, y}, IS_INNER};
 }
 
-/* Where the conic goes from one branch to the other, inside the outline. */
-static int turns_of(const Pressure *pressure, const Conic *k, Place *turns) {
+/* Where the conic goes from one branch to the other, inside the outline; and of an ellipse its half
+   width along v, of which arcs may span this much without being parted. */
+static const double WIDEST_ARC = 1.8;
+static int turns_of(const Pressure *pressure, const Conic *k, Place *turns, double *width) {
     double square = -4.0 * k->a * k->d, linear = -4.0 * k->a * k->e;
     double level = k->b * k->b - 4.0 * k->a * k->c, inside = linear * linear - 4.0 * square * level;
     if (!(inside > 0.0)) return 0;
     double down = -0.5 * (linear + copysign(sqrt(inside), linear));
     const double at[] = {level / down, down / square};
     int count = 0;
+    if (k->a * k->d > 0.0) *width = 0.5 * fabs(at[1] - at[0]);
     for (int i = 0; i < 2; ++i) {
         place_at(k, -k->b / (2.0 * k->a), at[i], turns + count);
         if (is_inside(pressure, turns[count].at[X], turns[count].at[Y])) ++count;
@@ -293,10 +298,20 @@ static int turns_of(const Pressure *pressure, const Conic *k, Place *turns) {
     return count;
 }
 
+static void put_ends(Pressed *at, const Place *from, const Place *to) {
+    const double arc[CURVE_SIZE] = {
+        [CURVE_START_X] = from->at[X],
+        [CURVE_START_Y] = from->at[Y],
+        [CURVE_END_X] = to->at[X],
+        [CURVE_END_Y] = to->at[Y],
+    };
+    put_arc(&at->arcs, arc);
+}
+
 /* The arcs between the places of one branch, on which P > 0 on the left; u grows with P where
    `side` is 1, so that v falls along it there, and grows on the other. */
 static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, double side,
-                       Places *branch) {
+                       double width, const Places *branch) {
     for (int i = 0; i + 1 < branch->count; ++i) {
         const Place *low = branch->of + i, *high = low + 1;
         const Place *from = side > 0.0 ? high : low, *to = side > 0.0 ? low : high;
@@ -308,7 +323,15 @@ static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, do
             place_at(k, branch_at(k, v, side), v, &middle);
             is_begun = is_inside(pressure, middle.at[X], middle.at[Y]);
         }
-        if (is_begun && high->v > low->v) add_arc(at, from->at, to->at);
+        if (!is_begun || !(high->v > low->v)) continue;
+        double halfway = -k->e / (2.0 * k->d);
+        if (high->v - low->v > WIDEST_ARC * width && low->v < halfway && halfway < high->v) {
+            Place middle;
+            place_at(k, branch_at(k, halfway, side), halfway, &middle);
+            put_ends(at, from, &middle);
+            put_ends(at, &middle, to);
+        } else
+            put_ends(at, from, to);
     }
 }
 
@@ -318,7 +341,8 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
     /* what does not cross the outline is closed, an ellipse */
     if (!crossings->count && !(k.a * k.d > 0.0)) return;
     Place turns[2];
-    int turn_count = turns_of(pressure, &k, turns);
+    double width = INFINITY;
+    int turn_count = turns_of(pressure, &k, turns, &width);
     if (!crossings->count && !turn_count) return;
     for (double side = -1.0; side <= 1.0; side += 2.0) {
         Places branch;
@@ -331,14 +355,8 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
             int is_here = (2.0 * k.a * place.u + k.b > 0.0) == (side > 0.0);
             if (is_here) branch.of[branch.count++] = place;
         }
-        if (!branch.count) continue;
-        /* halfway between the turns no arc turns by more than a right angle */
-        Place *middle = branch.of + branch.count;
-        double v = -k.e / (2.0 * k.d);
-        place_at(&k, branch_at(&k, v, side), v, middle);
-        if (is_inside(pressure, middle->at[X], middle->at[Y])) ++branch.count;
         sort_places(&branch);
-        add_branch(pressure, at, &k, side, &branch);
+        add_branch(pressure, at, &k, side, width, &branch);
     }
 }
 
@@ -352,7 +370,7 @@ static int cut(const Pressure *pressure, Pressed *at) {
     Places crossings;
     crossings.count = 0;
     const double *outline = pressure->outline;
-    at->has_moments = at->has_slopes = at->side_count = at->arc_count = at->nodes.count = 0;
+    at->has_moments = at->has_slopes = at->side_count = at->arcs.count = 0;
     if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
     double first = pressure_at(at->pressure, outline[X], outline[Y]);
     for (int64_t i = 0; i < pressure->side_count; ++i) {
@@ -363,10 +381,13 @@ static int cut(const Pressure *pressure, Pressed *at) {
         first = last;
     }
     int has_room = crossings.count <= MOST_PLACES - 4;
+    int rim_count = at->arcs.count;
     if (has_room) cut_inside(pressure, at, &crossings);
-    if (at->side_count > MOST_SIDES || at->arc_count > MOST_ARCS) has_room = 0;
+    if (at->arcs.count <= MOST_ARCS) bend_arcs(at, rim_count);
+    halve_arcs(&at->arcs, rim_count);
+    if (at->side_count > MOST_SIDES || at->arcs.count > MOST_ARCS) has_room = 0;
     if (!has_room) {
-        at->side_count = at->arc_count = at->nodes.count = 0;
+        at->side_count = at->arcs.count = 0;
         forget_pressure(at);
     }
     for (int k = 0; k < EDGE_SIZE; ++k)

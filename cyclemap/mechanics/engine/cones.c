@@ -5,13 +5,13 @@
    that are short beside their distance from where |w| is singular. From afar cones are taken from
    the centroid and summed place by place. */
 
-/* Panels of arcs that are shorter than this, in 2 s - 1, are summed by the least rule. */
-static const double SHORTEST_PANEL = 1e-12;
+/* Arcs of images no farther than this from the centre of rotation are halved no more (extents). */
+static const double NEAREST = 1e-12;
 /* By digits: centres of rotation farther than this (extents, velocity plane) are summed place by
    place, by these rules along a cone and along a side; from near, sums cancel as the third
    power of the distance. */
 static const double FOUNDATION_FAR[] = {30.0, 20.0, 10.0, 3.0};
-static const int ALONG_CONE[] = {0, 1, 1, 2}, ALONG_SIDE[] = {1, 2, 2, 4};
+static const int ALONG_CONE[] = {0, 1, 1, 2}, ALONG_SIDE[] = {2, 2, 2, 3};
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
 enum { SUM_SPEED, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY, SUM_SIZE };
 
@@ -57,24 +57,25 @@ static void begin_cones(Cones *c, Friction *f, const double *quadratic, int is_f
     }
 }
 
-/* From afar: places along the cones from the centroid to nodes on the boundary, as add_places
-   (pressure.c) has them. */
-static WIDENED void add_far_nodes(Cones *c, const Nodes *nodes) {
+/* From afar: places along the cones from the centroid to nodes on an arc, as add_places (pressure.c)
+   has them. */
+static WIDENED void add_far_arc(Cones *c, const Curve *curve, int rule) {
     const double *p = c->quadratic, *turn = c->frame.spin, *still = c->frame.middle;
     double omega = c->frame.omega;
+    int along = ALONG_CONE[c->digits];
     Wide sums[FRICTION_SIZE] = {{0.0}};
-    int rule = ALONG_CONE[c->digits];
-    for (int i = 0; i < nodes->count; i += WIDTH) {
-        Wide end_x = taken(nodes->x + i), end_y = taken(nodes->y + i);
-        Wide cross = end_x * taken(nodes->dy + i) - end_y * taken(nodes->dx + i);
+    for (int i = BOUNDARY_FIRST[rule]; i < BOUNDARY_FIRST[rule + 1]; i += WIDTH) {
+        Shares of = shares_at(curve->weight, i);
+        Wide end_x = of.down * place_on(curve, &of, X), end_y = of.down * place_on(curve, &of, Y);
+        Wide cone = cone_on(curve, &of);
         Wide linear = p[Q_SLOPE_X] * end_x + p[Q_SLOPE_Y] * end_y;
         Wide square = p[Q_XX] * end_x * end_x + p[Q_YY] * end_y * end_y;
         square += 2.0 * p[Q_XY] * end_x * end_y;
         Wide turn_x = turn[M_XX] * end_x + turn[M_XY] * end_y;
         Wide turn_y = turn[M_YX] * end_x + turn[M_YY] * end_y;
-        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
-            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), weight = s * BOUNDARY_WEIGHTS[j];
-            Wide share = weight * cross * (p[Q_LEVEL] + s * (linear + s * square));
+        for (int j = BOUNDARY_FIRST[along]; j < BOUNDARY_FIRST[along + 1]; ++j) {
+            double s = BOUNDARY_NODES[j], weight = s * BOUNDARY_WEIGHTS[j];
+            Wide share = weight * cone * (p[Q_LEVEL] + s * (linear + s * square));
             Wide px = s * turn_x, py = s * turn_y;
             Wide wx = still[X] + omega * px, wy = still[Y] + omega * py;
             Wide slowness = 1.0 / roots(wx * wx + wy * wy + 1e-300);
@@ -94,61 +95,56 @@ static WIDENED void add_far_nodes(Cones *c, const Nodes *nodes) {
     for (int k = 0; k < FRICTION_SIZE; ++k) c->places.of[k][0] += summed(sums + k);
 }
 
-/* How what they add moves. */
-static void move_far_nodes(Cones *c, const Nodes *nodes) {
-    int rule = ALONG_CONE[c->digits];
-    for (int i = 0; i < nodes->count; ++i) {
-        double x = nodes->x[i], y = nodes->y[i], cross = x * nodes->dy[i] - y * nodes->dx[i];
-        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
-            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), found[WRENCH], *results[] = {found};
-            const double place[] = {s * x, s * y};
+/* How what it adds moves. */
+static void move_far_arc(Cones *c, const Curve *curve, int rule) {
+    int along = ALONG_CONE[c->digits];
+    for (int i = BOUNDARY_FIRST[rule]; i < BOUNDARY_FIRST[rule + 1]; i += WIDTH) {
+        Shares of = shares_at(curve->weight, i);
+        Wide x = of.down * place_on(curve, &of, X), y = of.down * place_on(curve, &of, Y);
+        Wide cone = cone_on(curve, &of);
+        for (int j = WIDTH * BOUNDARY_FIRST[along]; j < WIDTH * BOUNDARY_FIRST[along + 1]; ++j) {
+            int node = j / WIDTH, lane = j % WIDTH;
+            double s = BOUNDARY_NODES[node], found[WRENCH], *results[] = {found};
+            const double place[] = {s * x[lane], s * y[lane]};
             const double *given[] = {c->f->twist, c->f->matrix, place, c->f->toward};
             point_toward(given, results, 0, 0, 0);
-            double share = s * cross * BOUNDARY_WEIGHTS[j];
+            double share = s * cone[lane] * BOUNDARY_WEIGHTS[node];
             add(c->moved, found, share * pressure_at(c->quadratic, place[X], place[Y]), WRENCH);
         }
     }
 }
 
-/* Images of places, and of how the boundary goes on there. */
-static ALWAYS_INLINE void turn_by(const Plane *p, Wide x, Wide y, Wide *to) {
-    to[X] = p->turn[M_XX] * x + p->turn[M_XY] * y;
-    to[Y] = p->turn[M_YX] * x + p->turn[M_YY] * y;
-}
-
 static ALWAYS_INLINE void image_at(const Plane *p, Wide x, Wide y, Wide *to) {
-    turn_by(p, x, y, to);
-    to[X] += p->still[X];
-    to[Y] += p->still[Y];
+    to[X] = p->still[X] + (p->turn[M_XX] * x + p->turn[M_XY] * y);
+    to[Y] = p->still[Y] + (p->turn[M_YX] * x + p->turn[M_YY] * y);
 }
 
-/* Thin cones from the centre of rotation, w = 0, to nodes on the boundary. */
-static WIDENED void add_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+/* Thin cones from the centre of rotation, w = 0, to nodes on arcs. */
+static ALWAYS_INLINE void add_stretches(const Cones *c, const Stretches *stretches, Wide *sums) {
     const double *image = c->plane.image, twist = 2.0 * image[Q_XY];
-    Wide sums[SUM_SIZE];
-    memcpy(sums, c->sums, sizeof sums);
-    for (int i = from; i < to; i += WIDTH) {
-        Wide w[2], dw[2];
-        image_at(&c->plane, taken(nodes->x + i), taken(nodes->y + i), w);
-        turn_by(&c->plane, taken(nodes->dx + i), taken(nodes->dy + i), dw);
-        Wide x = w[X], y = w[Y], cross = ones(to - i) * (x * dw[Y] - y * dw[X]);
-        Wide square = x * x + y * y + 1e-300;
-        Wide slowness = 1.0 / roots(square), ux = x * slowness, uy = y * slowness;
-        Wide level = cross * image[Q_LEVEL];
-        Wide first = cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
-        Wide second = cross * (x * (image[Q_XX] * x + twist * y) + image[Q_YY] * (y * y));
+    for (int i = 0; i < stretches->count; ++i) {
+        const Curve *curve = stretches->curves + stretches->of[i].curve;
+        Shares of = shares_at(curve->weight, stretches->of[i].node);
+        Wide x = place_on(curve, &of, X), y = place_on(curve, &of, Y);
+        Wide size = roots(x * x + y * y + 1e-300), inverse = 1.0 / size;
+        Wide ux = x * inverse, uy = y * inverse, cone = cone_on(curve, &of);
+        x *= of.down;
+        y *= of.down;
+        Wide level = cone * image[Q_LEVEL];
+        Wide first = cone * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
+        Wide second = cone * (x * (image[Q_XX] * x + twist * y) + image[Q_YY] * (y * y));
         Wide power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
         Wide force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
-        Wide bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
+        Wide bent = level + first * (1.0 / 2.0) + second * (1.0 / 3.0);
+        bent *= of.whole * inverse;
         Wide bent_x = bent * ux, bent_y = bent * uy;
-        sums[SUM_SPEED] += power * (square * slowness);
+        sums[SUM_SPEED] += power * (size * of.down);
         sums[SUM_X] += force * ux;
         sums[SUM_Y] += force * uy;
         sums[SUM_XX] += bent_y * uy;
         sums[SUM_XY] -= bent_x * uy;
         sums[SUM_YY] += bent_x * ux;
     }
-    memcpy(c->sums, sums, sizeof sums);
 }
 
 /* What functions of a side or a cone are given: its numbers, and the quadratic of w, the same
@@ -157,124 +153,143 @@ static ALWAYS_INLINE void give_image(const Plane *plane, Wide *to) {
     for (int k = 0; k < QUADRATIC_SIZE; ++k) to[k] = all(plane->image[k]);
 }
 
-/* How D and force of thin cones move. */
-static WIDENED void move_nodes(Cones *c, const Nodes *nodes, int from, int to) {
-    enum { CONE = 3, ROOM = CONE + QUADRATIC_SIZE };
-    Wide given[2 * ROOM], found[SUM_SIZE], *motion = given + ROOM;
-    give_image(&c->plane, given + CONE);
-    give_image(&c->motion, motion + CONE);
-    for (int i = from; i < to; i += WIDTH) {
-        Wide x = taken(nodes->x + i), y = taken(nodes->y + i), w[2], v[2];
-        Wide dx = ones(to - i) * taken(nodes->dx + i), dy = ones(to - i) * taken(nodes->dy + i);
-        image_at(&c->plane, x, y, given);
-        turn_by(&c->plane, dx, dy, w);
-        image_at(&c->motion, x, y, motion);
-        turn_by(&c->motion, dx, dy, v);
-        given[2] = given[X] * w[Y] - given[Y] * w[X];
-        motion[2] = motion[X] * w[Y] - motion[Y] * w[X] + given[X] * v[Y] - given[Y] * v[X];
+enum { CONE = 3, CONE_ROOM = CONE + QUADRATIC_SIZE };
+
+/* How D and force of thin cones move, where the image of an arc moves so; given: the quadratic of w
+   and its motion. */
+static ALWAYS_INLINE void move_arc(const Curve *image, Curve *moved, int rule, Wide *given,
+                                   Wide *sums) {
+    Wide found[SUM_SIZE], *motion = given + CONE_ROOM;
+    moved->ac = 2.0 * image->weight * (across(moved->a, image->c) + across(image->a, moved->c));
+    moved->ab = 2.0 * (across(moved->a, image->b) + across(image->a, moved->b));
+    moved->cb = 2.0 * image->weight * (across(moved->c, image->b) + across(image->c, moved->b));
+    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += WIDTH) {
+        Shares of = shares_at(image->weight, j);
+        for (int k = X; k <= Y; ++k) {
+            given[k] = of.down * place_on(image, &of, k);
+            motion[k] = of.down * place_on(moved, &of, k);
+        }
+        given[2] = cone_on(image, &of);
+        motion[2] = cone_on(moved, &of);
         pressed_cone_toward(given, found);
-        for (int k = 0; k <= SUM_XY; ++k) c->sums[k] += found[k];
+        for (int k = 0; k <= SUM_XY; ++k) sums[k] += found[k];
     }
 }
 
-static inline void velocity_at(const Plane *p, const double *place, double *w) {
-    w[X] = p->still[X] + p->turn[M_XX] * place[X] + p->turn[M_XY] * place[Y];
-    w[Y] = p->still[Y] + p->turn[M_YX] * place[X] + p->turn[M_YY] * place[Y];
-}
-
-/* Without C's care for what is not finite. */
-static ALWAYS_INLINE double complex product(double complex a, double complex b) {
-    double real = creal(a) * creal(b) - cimag(a) * cimag(b);
-    return real + I * (creal(a) * cimag(b) + cimag(a) * creal(b));
-}
-
-static ALWAYS_INLINE double complex root_of(double complex z) {
-    double x = creal(z), y = cimag(z), larger = sqrt(0.5 * (size_of(x, y) + fabs(x)));
-    double smaller = larger > 0.0 ? 0.5 * y / larger : 0.0;
-    return x >= 0.0 ? larger + I * smaller : fabs(smaller) + I * copysign(larger, y);
-}
-
-/* Where |w| along an arc's image is singular, in x = 2 s - 1: the complex zeros of w, a quadratic.
-   Returns how many of them may lie within `reach` of the middle; none where the quadratic's level
-   outweighs its other terms that far. */
+/* Where |w| along an arc's image is singular, in x = 2 s - 1: the complex zeros of w, square x^2 + 2
+   half x + level: half and its root of the same sense over square, and level over both. */
 enum { ZEROS = 2 };
-static ALWAYS_INLINE int zeros_of(double weight, const double *a, const double *c, const double *b,
-                                  double reach, double complex *zeros) {
-    double complex first = a[X] + I * a[Y], last = b[X] + I * b[Y];
-    double complex both = first + last, twice = 2.0 * weight * c[X] + I * (2.0 * weight * c[Y]);
-    /* square x^2 + 2 half x + level */
-    double complex square = both - twice, half = last - first, level = both + twice;
-    if (size(level) > reach * (2.0 * size(half) + reach * size(square))) return 0;
-    double complex root = root_of(product(half, half) - product(square, level));
-    int same = creal(half) * creal(root) + cimag(half) * cimag(root) >= 0.0;
-    double complex down = same ? -half - root : root - half;
-    zeros[0] = quotient(down, square);
-    zeros[1] = quotient(level, down);
-    return ZEROS;
+typedef struct {
+    Wide x, y;
+} Complex;
+
+static ALWAYS_INLINE Complex product(Complex a, Complex b) {
+    return (Complex){a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x};
 }
 
-/* The first of Gauss's rules that serves a panel of an arc, low to high in 2 s - 1, beside the
-   zeros of w, from the one that its poles ask for. */
-static int panel_rule(int rule, int zero_count, const double complex *zeros, double low,
-                      double high, int digits) {
-    double middle = 0.5 * (low + high), scale = 2.0 / (high - low);
-    for (int k = 0; k < zero_count; ++k) {
-        double x = (creal(zeros[k]) - middle) * scale, y = cimag(zeros[k]) * scale;
-        double axis = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
-        while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
+/* Over the square of the denominator's size, `whole`. */
+static ALWAYS_INLINE Complex over(Complex a, Complex b, Wide *whole) {
+    *whole = b.x * b.x + b.y * b.y;
+    return (Complex){a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y};
+}
+
+static ALWAYS_INLINE void zeros_of(Wide weight, const Wide *a, const Wide *c, const Wide *b,
+                                   Complex *zeros, Wide *wholes) {
+    Wide twice = 2.0 * weight, bent_x = twice * c[X], bent_y = twice * c[Y];
+    Complex square = {a[X] + b[X] - bent_x, a[Y] + b[Y] - bent_y};
+    Complex half = {b[X] - a[X], b[Y] - a[Y]}, level = {a[X] + b[X] + bent_x, a[Y] + b[Y] + bent_y};
+    Complex own = product(half, half), other = product(square, level);
+    Wide x = own.x - other.x, y = own.y - other.y, larger, smaller;
+    larger = roots(0.5 * (roots(x * x + y * y) + sizes(x)));
+    smaller = 0.5 * y / (larger + 1e-300);
+    Complex down;
+    for (int k = 0; k < WIDTH; ++k) {
+        double real = x[k] >= 0.0 ? larger[k] : fabs(smaller[k]);
+        double rest = x[k] >= 0.0 ? smaller[k] : copysign(larger[k], y[k]);
+        double sense = half.x[k] * real + half.y[k] * rest >= 0.0 ? -1.0 : 1.0;
+        down.x[k] = sense * real - half.x[k];
+        down.y[k] = sense * rest - half.y[k];
     }
-    return rule;
+    zeros[0] = over(down, square, wholes);
+    zeros[1] = over(level, down, wholes + 1);
 }
 
-static void sum_nodes(Cones *c, const Nodes *nodes, int from, int to) {
-    if (c->f->toward)
-        move_nodes(c, nodes, from, to);
-    else
-        add_nodes(c, nodes, from, to);
-}
-
-/* Panels are halved towards what is singular; the poles' half axis grows at least by its distance
-   from 1. */
-static void add_panels(Cones *c, const Arc *arc, Axis axis, int zero_count,
-                       const double complex *zeros, double low, double high, Nodes *nodes) {
-    int rule = panel_rule(arc_rule(axis, c->digits), zero_count, zeros, low, high, c->digits);
-    double middle = 0.5 * (low + high);
-    if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
-        double farther = 2.0 * sqrt(axis.above / axis.below) - 1.0;
-        axis = (Axis){farther * farther, 1.0};
-        add_panels(c, arc, axis, zero_count, zeros, low, middle, nodes);
-        add_panels(c, arc, axis, zero_count, zeros, middle, high, nodes);
-        return;
+/* The first of Gauss's rules that serve each of some arcs' images; none, where that is too near to
+   the centre of rotation. */
+static ALWAYS_INLINE Flags rules_of(const Arcs *images, int i, int digits) {
+    Wide of[CURVE_SIZE], wholes[ZEROS];
+    Complex zeros[ZEROS];
+    for (int k = 0; k < CURVE_SIZE; ++k) of[k] = taken(images->of[k] + i);
+    zeros_of(of[CURVE_WEIGHT], of + CURVE_START_X, of + CURVE_MIDDLE_X, of + CURVE_END_X, zeros,
+             wholes);
+    Flags rules = {LEAST_RULE, LEAST_RULE, LEAST_RULE, LEAST_RULE};
+    for (int rule = LEAST_RULE; rule < BOUNDARY_RULE_COUNT; ++rule) {
+        Flags is_near = has_poles(of[CURVE_WEIGHT], digits, rule);
+        for (int k = 0; k < ZEROS; ++k) {
+            Wide x = zeros[k].x * zeros[k].x, y = zeros[k].y * zeros[k].y;
+            is_near |=
+                x * REACH_X[digits][rule] + y * REACH_Y[digits][rule] < wholes[k] * wholes[k];
+        }
+        rules -= is_near;
     }
-    if (rule == BOUNDARY_RULE_COUNT) rule = LEAST_RULE;
-    if (put_nodes(nodes, arc, rule, low, high)) return;
-    sum_nodes(c, nodes, 0, nodes->count);
-    nodes->count = 0;
-    put_nodes(nodes, arc, rule, low, high);
+    return rules;
 }
 
-/* Arcs by the nodes that they have, but for those near the centre of rotation. */
-static void add_arcs(Cones *c, const Pressed *at) {
-    int from = 0;
-    Nodes finer;
-    finer.count = 0;
-    for (int i = 0; i < at->arc_count; ++i) {
-        const Arc *arc = at->arcs + i;
-        const double *of[] = {arc->a, arc->c, arc->b};
-        int last = BOUNDARY_RULE_COUNT - 1, least = arc->rule < last ? arc->rule : last;
-        double complex zeros[ZEROS];
-        double image[3][2];
-        for (int k = 0; k < 3; ++k) velocity_at(&c->plane, of[k], image[k]);
-        double reach = BOUNDARY_REACH[c->digits][least];
-        int zero_count = zeros_of(arc->weight, image[0], image[1], image[2], reach, zeros);
-        int rule = panel_rule(arc->rule, zero_count, zeros, -1.0, 1.0, c->digits);
-        if (rule == arc->rule && rule < BOUNDARY_RULE_COUNT) continue;
-        sum_nodes(c, &at->nodes, from, arc->first);
-        add_panels(c, arc, axis_of(arc->weight), zero_count, zeros, -1.0, 1.0, &finer);
-        from = i + 1 < at->arc_count ? arc[1].first : at->nodes.count;
+static WIDENED void images_of(const Plane *plane, const Arcs *arcs, Arcs *images) {
+    images->count = arcs->count;
+    for (int i = 0; i < arcs->count; i += WIDTH) {
+        for (int k = CURVE_START_X; k < CURVE_WEIGHT; k += 2) {
+            Wide image[2];
+            image_at(plane, taken(arcs->of[k + X] + i), taken(arcs->of[k + Y] + i), image);
+            memcpy(images->of[k + X] + i, image + X, sizeof *image);
+            memcpy(images->of[k + Y] + i, image + Y, sizeof *image);
+        }
+        memcpy(images->of[CURVE_WEIGHT] + i, arcs->of[CURVE_WEIGHT] + i, sizeof(Wide));
     }
-    sum_nodes(c, &at->nodes, from, at->nodes.count);
-    sum_nodes(c, &finer, 0, finer.count);
+}
+
+/* Whether an image is halved: as long as it is not a place. */
+static int is_long(const Arcs *images, int i, double omega) {
+    double far = 0.0;
+    for (int k = 0; k < CURVE_WEIGHT; ++k) far = fmax(far, fabs(images->of[k][i]));
+    return far > NEAREST * fabs(omega) && images->count < ARC_ROOM;
+}
+
+/* Arcs, halved near the centre of rotation. */
+static WIDENED void add_arcs(Cones *c, const Pressed *at) {
+    Arcs images, motions;
+    Stretches stretches;
+    stretches.count = stretches.curve_count = 0;
+    Wide given[2 * CONE_ROOM], sums[SUM_SIZE];
+    images_of(&c->plane, &at->arcs, &images);
+    if (c->f->toward) {
+        images_of(&c->motion, &at->arcs, &motions);
+        give_image(&c->plane, given + CONE);
+        give_image(&c->motion, given + CONE_ROOM + CONE);
+    }
+    memcpy(sums, c->sums, sizeof sums);
+    for (int i = 0; i < images.count;) {
+        Flags rules = rules_of(&images, i, c->digits);
+        int width = images.count - i < WIDTH ? images.count - i : WIDTH, is_halved = 0;
+        for (int k = 0; k < width; ++k) {
+            if (rules[k] < BOUNDARY_RULE_COUNT) continue;
+            rules[k] = BOUNDARY_RULE_COUNT - 1;
+            if (!is_long(&images, i + k, c->frame.omega)) continue;
+            halve_arc(&images, i + k);
+            if (c->f->toward) halve_arc(&motions, i + k);
+            is_halved = 1;
+        }
+        if (is_halved) continue;
+        for (int k = 0; k < width; ++k) {
+            put_stretches(&stretches, &images, i + k, (int)rules[k]);
+            if (!c->f->toward) continue;
+            Curve image = curve_of(&images, i + k), moved = curve_of(&motions, i + k);
+            move_arc(&image, &moved, (int)rules[k], given, sums);
+        }
+        i += WIDTH;
+    }
+    if (!c->f->toward) add_stretches(c, &stretches, sums);
+    memcpy(c->sums, sums, sizeof sums);
 }
 
 /* Sides of the contact, some at once. */
@@ -299,34 +314,26 @@ static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
     }
 }
 
-static void sum_far_nodes(Cones *c, Nodes *nodes) {
-    if (c->f->toward)
-        move_far_nodes(c, nodes);
-    else
-        add_far_nodes(c, nodes);
-    nodes->count = 0;
-}
-
 /* Friction from afar: a side is an arc that is a parabola's, straight. */
 static void sum_from_afar(Cones *c, const Pressed *at) {
-    Nodes nodes;
-    nodes.count = 0;
-    for (int i = 0; i < at->side_count + at->arc_count; ++i) {
-        Arc side = {.weight = 1.0};
-        for (int k = 0; k < 2 && i < at->side_count; ++k) {
-            side.a[k] = at->sides[EDGE_START_X + k][i];
-            side.b[k] = at->sides[EDGE_END_X + k][i];
-            side.c[k] = 0.5 * (side.a[k] + side.b[k]);
+    for (int i = 0; i < at->side_count + at->arcs.count; ++i) {
+        Curve curve = {.weight = 1.0};
+        for (int k = X; k <= Y && i < at->side_count; ++k) {
+            curve.a[k] = at->sides[EDGE_START_X + k][i];
+            curve.b[k] = at->sides[EDGE_END_X + k][i];
+            curve.c[k] = 0.5 * (curve.a[k] + curve.b[k]);
         }
-        const Arc *arc = i < at->side_count ? &side : at->arcs + i - at->side_count;
-        int rule = arc_rule(axis_of(arc->weight), c->digits);
+        if (i < at->side_count)
+            close_curve(&curve);
+        else
+            curve = curve_of(&at->arcs, i - at->side_count);
+        int rule = arc_rule(curve.weight, c->digits);
         if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
-        if (rule == BOUNDARY_RULE_COUNT) --rule;
-        if (put_nodes(&nodes, arc, rule, -1.0, 1.0)) continue;
-        sum_far_nodes(c, &nodes);
-        put_nodes(&nodes, arc, rule, -1.0, 1.0);
+        if (c->f->toward)
+            move_far_arc(c, &curve, rule);
+        else
+            add_far_arc(c, &curve, rule);
     }
-    sum_far_nodes(c, &nodes);
 }
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */

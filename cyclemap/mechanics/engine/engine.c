@@ -59,6 +59,7 @@ static ALWAYS_INLINE Lanes rooted(Lanes x) {
    out to have registers of that width. Sums are the same to the bit. */
 enum { WIDTH = 4 };
 typedef double Wide __attribute__((vector_size(8 * WIDTH)));
+typedef int64_t Flags __attribute__((vector_size(8 * WIDTH)));
 #if defined(__x86_64__) && defined(__GLIBC__)
 #define WIDENED __attribute__((target_clones("avx2", "default")))
 #else

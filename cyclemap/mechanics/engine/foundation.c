@@ -10,7 +10,7 @@ static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
 enum { MOST_CORRECTIONS = 200 };
 /* Steps are halved down to this share. */
 static const double SHORTEST_STEP = 1e-6;
-/* The table serves as it is where it is off by less than this share of a motion's tolerance. */
+/* Of a motion's tolerance: what the table, or a last correction's square, may be off by. */
 static const double LEAN_SHARE = 0.1;
 /* A correction by less leaves nothing, whatever the tolerance. */
 static const double WELL_CORRECTED = 3e-8;
@@ -68,22 +68,6 @@ static ALWAYS_INLINE void add_monomials(Wide *m, Wide x, Wide y, Wide cross) {
     m[OF_YYY] += fy * yy;
 }
 
-static ALWAYS_INLINE Wide taken(const double *from) {
-    Wide x;
-    memcpy(&x, from, sizeof x);
-    return x;
-}
-
-/* One for the first so many, nought after them. */
-static ALWAYS_INLINE Wide ones(int count) {
-    static const double of[2 * WIDTH] = {1.0, 1.0, 1.0, 1.0};
-    return taken(of + WIDTH - (count < WIDTH ? count : WIDTH));
-}
-
-static ALWAYS_INLINE double summed(const Wide *x) {
-    return ((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3]);
-}
-
 /* Of the contact. Along a side Gauss's rule of two nodes is exact. */
 static WIDENED void take_moments(Pressed *at) {
     static const double places[] = {0.21132486540518711775, 0.78867513459481288225};
@@ -96,10 +80,15 @@ static WIDENED void take_moments(Pressed *at) {
         share *= ones(at->side_count - i);
         for (int j = 0; j < 2; ++j) add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
-    const Nodes *nodes = &at->nodes;
-    for (int i = 0; i < nodes->count; i += WIDTH) {
-        Wide x = taken(nodes->x + i), y = taken(nodes->y + i);
-        add_monomials(m, x, y, x * taken(nodes->dy + i) - y * taken(nodes->dx + i));
+    Stretches stretches;
+    stretches.count = stretches.curve_count = 0;
+    for (int i = 0; i < at->arcs.count; ++i)
+        put_stretches(&stretches, &at->arcs, i, arc_rule(at->arcs.of[CURVE_WEIGHT][i], at->digits));
+    for (int i = 0; i < stretches.count; ++i) {
+        const Curve *curve = stretches.curves + stretches.of[i].curve;
+        Shares of = shares_at(curve->weight, stretches.of[i].node);
+        Wide x = of.down * place_on(curve, &of, X), y = of.down * place_on(curve, &of, Y);
+        add_monomials(m, x, y, cone_on(curve, &of));
     }
     for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = summed(m + k);
     at->has_moments = 1;
@@ -282,10 +271,10 @@ EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     return count;
 }
 
-/* Corrects the pressure in few steps; whether the last one was so short that its square is less
-   than the tolerance. */
+/* Corrects the pressure in few steps; whether the last one was so short that its square does not
+   count. */
 static int settle(const Pressure *pressure, Pressed *at) {
-    double enough = fmax(0.1 * sqrt(at->tolerance), WELL_CORRECTED);
+    double enough = fmax(sqrt(LEAN_SHARE * at->tolerance), WELL_CORRECTED);
     for (int i = 0; i < MOST_REPEATS; ++i) {
         if (correct(pressure, at) <= enough) return 1;
         cut(pressure, at);

@@ -97,8 +97,9 @@ MIDDLE_VALUE = (
 )
 PANEL_ORDER = 12
 # Gauss's rules along what bounds a contact, and the exponents of their errors that are asked for,
-# of rough to fine motions.
-BOUNDARY_RULES, BOUNDARY_DIGITS = (4, 6, 8, 10, 12, 16, 24), (18.0, 21.5, 25.0, 31.0)
+# of rough to fine motions. Arcs take those from LEAST_RULE on, four nodes at once.
+BOUNDARY_RULES, BOUNDARY_DIGITS = (4, 6, 8, 12, 16, 20, 24, 32), (18.0, 21.5, 25.0, 31.0)
+LEAST_RULE = BOUNDARY_RULES.index(8)
 # Places on an ellipse's rim between which a pressure is looked at.
 RIM_SAMPLES = 32
 # Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors
@@ -252,15 +253,18 @@ def _tables() -> str:
         "PANEL_ORDER": PANEL_ORDER,
         "BOUNDARY_RULE_COUNT": len(BOUNDARY_RULES),
         "RIM_SAMPLES": RIM_SAMPLES,
+        "LEAST_RULE": LEAST_RULE,
+        "LONGEST_RULE": BOUNDARY_RULES[-1],
         "DIGIT_CLASSES": len(BOUNDARY_DIGITS),
     }
     boundary = [np.polynomial.legendre.leggauss(order) for order in BOUNDARY_RULES]
+    along = np.concatenate([nodes for nodes, _ in boundary]) / 2.0 + 0.5
     # The last is the first to the bit.
     around = np.append(np.arange(RIM_SAMPLES), 0) * 2.0 * np.pi / RIM_SAMPLES
-    # The half axis of Bernstein's ellipse from which a rule serves, and that of an arc's poles, at
-    # which sums are of the fifth order: errors are larger by (2 n)^4 / 4!.
+    # The half axes of Bernstein's ellipse from which a rule serves, and the larger one of an arc's
+    # poles, at which sums are of the fifth order: errors are larger by (2 n)^4 / 4!.
     twice, digits = 2.0 * np.array(BOUNDARY_RULES), np.array(BOUNDARY_DIGITS)[:, None]
-    reach = np.cosh(digits / twice)
+    reach = digits / twice
     pole_reach = np.cosh((digits + np.log(twice**4 / 24.0)) / twice)
     lines = [enum_of(counts)]
     integers = {"STAGE_ORDER": order}
@@ -281,7 +285,10 @@ def _tables() -> str:
         "MIDDLE_VALUE": MIDDLE_VALUE,
         "RIM_COSINES": np.cos(around),
         "RIM_SINES": np.sin(around),
-        "BOUNDARY_NODES": np.concatenate([nodes for nodes, _ in boundary]),
+        "BOUNDARY_NODES": along,
+        "BEGUN": (1.0 - along) ** 2,
+        "BOTH": along * (1.0 - along),
+        "ENDED": along**2,
         "BOUNDARY_WEIGHTS": np.concatenate([weights for _, weights in boundary]) / 2.0,
         "GAUSS_NODES": nodes,
         "GAUSS_WEIGHTS": weights,
@@ -294,7 +301,8 @@ def _tables() -> str:
     for name, table in (
         ("A", coefficients),
         ("BEND", bend_weights()),
-        ("BOUNDARY_REACH", reach),
+        ("REACH_X", np.cosh(reach) ** -2),
+        ("REACH_Y", np.sinh(reach) ** -2),
         ("POLE_REACH", pole_reach**2),
     ):
         rows = braced(braced(row) for row in table.tolist())

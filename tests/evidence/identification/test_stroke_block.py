@@ -20,7 +20,7 @@ from cyclemap.evidence import (
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.stroke_block import (
+from cyclemap.evidence.identification.stroke_block import (
     TIP_OFFSET,
     loop_on,
     surface_model,

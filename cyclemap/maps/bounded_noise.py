@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise.noise import checked_width, folded, reduced
+from cyclemap.maps.noise import Size, checked_width, folded, reals, reduced
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class UniformNoise:
 
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = sin(mh)/(mh)."""
-        return np.asarray(np.sinc(np.asarray(m, dtype=np.float64) * (self.halfwidth / np.pi)))
+        return np.asarray(np.sinc(reals(m) * (self.halfwidth / np.pi)))
 
     def tail(self, m: int) -> float:
         """Infinite: |κ_k| falls like 1/k, and its sum diverges."""
@@ -67,7 +67,7 @@ class UniformNoise:
         0.
         """
         if lifted:
-            distance = np.asarray(x, dtype=np.float64)
+            distance = reals(x)
             return ((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
                 2.0 * self.halfwidth
             )
@@ -85,7 +85,7 @@ class UniformNoise:
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
-        above = self.halfwidth - np.asarray(x, dtype=np.float64)
+        above = self.halfwidth - reals(x)
         return np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
@@ -93,7 +93,7 @@ class UniformNoise:
         2h.
         """
         share, window, centre = wrapped_window(self.halfwidth)
-        length = high - np.asarray(low, dtype=np.float64)
+        length = high - reals(low)
         start = reduced(low - centre)
         inside = np.zeros_like(start)
         for turn in (0.0, TWO_PI):
@@ -101,7 +101,7 @@ class UniformNoise:
             inside = inside + np.maximum(ahead, 0.0)
         return share * length / TWO_PI + inside / (2.0 * self.halfwidth)
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Uniform draws, radians, not wrapped."""
         return rng.uniform(-self.halfwidth, self.halfwidth, size)
 
@@ -117,8 +117,7 @@ def wrapped_window(halfwidth: float) -> tuple[float, float, float]:
 
 _CONCENTRATED = 1e8  # beyond it the coefficients come from their expansion in 1/κ
 _SPAN = 45.0  # integrals stop where the density has fallen by exp(-45)
-_NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(64))
-_NODES = _NODES + 0.5
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]
 
 
 @dataclass(frozen=True)
@@ -171,7 +170,7 @@ class VonMises:
         """
         from scipy.special import i0e, ive  # slow to import for those who ask for another noise
 
-        order = np.abs(np.asarray(m, dtype=np.float64))
+        order = np.abs(reals(m))
         if self.kappa <= _CONCENTRATED:
             return np.asarray(ive(order, self.kappa) / i0e(self.kappa))
         share = np.minimum(order, self.kappa) ** 2 / self.kappa
@@ -191,9 +190,7 @@ class VonMises:
         """Density per radian; on the line 0 outside [-π, π]."""
         from scipy.special import i0e
 
-        within = (
-            np.clip(x, -np.pi, np.pi) if lifted else np.asarray(x, dtype=np.float64)
-        )  # x may be infinite then
+        within = np.clip(x, -np.pi, np.pi) if lifted else reals(x)  # x may be infinite then
         half = np.sin(0.5 * within)
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
         return np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density
@@ -204,16 +201,17 @@ class VonMises:
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
-        at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
+        at = np.clip(reals(x), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
-        return np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail)
+        return np.where(at < 0.0, 1.0 - tail, tail)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): up to three positive parts of [0, π]."""
         near, beyond = folded(low, high)
-        parts = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi))
-        parts = parts + self._half_integral(0.0, np.minimum(np.maximum(-near, 0.0), np.pi))
-        return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi))
+        ahead = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi))
+        behind = self._half_integral(0.0, np.clip(-near, 0.0, np.pi))
+        around = self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi)
+        return np.asarray(ahead + behind + around)
 
     def _half_integral(
         self,
@@ -224,22 +222,19 @@ class VonMises:
         """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go
         together.
         """
-        start, end = np.broadcast_arrays(
-            np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
-        )
+        start, end = np.broadcast_arrays(reals(low), reals(high))
         # No further than where the density has fallen by exp(-45), if it does.
         squared = np.sin(0.5 * start) ** 2 + 0.5 * _SPAN / self.kappa
         falls = np.where(
             squared < 1.0, 2.0 * np.arcsin(np.sqrt(np.minimum(squared, 1.0))) - start, np.pi
         )
         length = np.minimum(end - start, falls)
-        total = np.zeros(start.shape)
-        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-            step = length * node
-            fall = 2.0 * self.kappa * np.sin(0.5 * step) * np.sin(start + 0.5 * step)
-            total += weight * factor(start + step) * np.exp(-fall)
+        step = length[..., None] * (0.5 + 0.5 * _NODES)
+        angle = start[..., None] + step
+        fall = 2.0 * self.kappa * np.sin(0.5 * step) * np.sin(angle - 0.5 * step)
+        total = (factor(angle) * np.exp(-fall)) @ (0.5 * _WEIGHTS)
         return np.asarray(total * length * self.density(start))
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Von Mises draws in [-π, π], radians (Best & Fisher 1979)."""
         return rng.vonmises(0.0, self.kappa, size)

@@ -7,20 +7,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array, stretches
+from cyclemap.arrays import Array, Mask, stretches
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values, linear_block
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, linear_block
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
+    Rows,
     SurfaceParameters,
+    Values,
 )
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
 from cyclemap.evidence.pushes.recordings import PushRecord
@@ -30,6 +32,9 @@ from cyclemap.mechanics.outline import Outline
 
 if TYPE_CHECKING:
     import pandas
+
+# Columns, or arrays by their names.
+Scans: TypeAlias = "pandas.DataFrame | Mapping[str, ArrayLike]"
 
 # Columns of a table of friction scans.
 SCAN_FIELDS = ("direction", "force_along", "force_across")
@@ -54,7 +59,7 @@ SLIDING = 0.1
 STICKING = 0.03
 
 
-def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
+def scan_columns(scans: Scans) -> Array:
     """Return direction (rad) and the rod's forces along and across (N) of friction scans, (3, n);
     see the block.
     """
@@ -72,7 +77,7 @@ def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
     return np.array(columns)
 
 
-def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> Array:
+def scan_traction(scans: Scans, weight: float) -> Array:
     """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an
     object, weight N.
 
@@ -88,9 +93,7 @@ def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: flo
     )
 
 
-def friction_scan_block(
-    scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float
-) -> DataBlock:
+def friction_scan_block(scans: Scans, weight: float) -> DataBlock:
     """Return friction scans as a block of data.
 
     Parameters
@@ -147,14 +150,13 @@ def friction_scan_block(
     left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
     turn = weight * np.stack([way, left], axis=1)
 
-    def function(values: Values) -> tuple[Array, Array]:
+    def function(values: Values) -> Rows:
         traction, by_ellipse = _traction(SurfaceParameters.from_values(values), way)
         force = np.einsum("nij,nj->ni", turn, traction).ravel()
         jacobian = np.einsum("nij,njk->nik", turn, by_ellipse)
         return force - measured, jacobian.reshape(-1, len(ELLIPSE))
 
-    kinds = np.repeat(SCAN_KIND, measured.size)
-    return DataBlock("friction scans", ELLIPSE, function, groups, kinds)
+    return DataBlock("friction scans", ELLIPSE, function, groups, np.array(SCAN_KIND))
 
 
 def _alike_directions(direction: Array) -> Labels:
@@ -164,7 +166,7 @@ def _alike_directions(direction: Array) -> Labels:
     return np.unique(np.remainder(steps, turn), return_inverse=True)[1].reshape(-1)
 
 
-def _traction(surface: SurfaceParameters, way: Array) -> tuple[Array, Array]:
+def _traction(surface: SurfaceParameters, way: Array) -> Rows:
     """The traction of points that slide along unit vectors (n, 2), and its derivatives by ELLIPSE
     (n, 2, 5).
 
@@ -191,7 +193,7 @@ def _traction(surface: SurfaceParameters, way: Array) -> tuple[Array, Array]:
 
 
 def friction_ellipse_from_scans(
-    scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float, noise: float | None = None
+    scans: Scans, weight: float, noise: float | None = None
 ) -> Identification:
     """Identify the friction ellipse from friction scans alone.
 
@@ -369,7 +371,7 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
         force = LimitSurface(surface.footprint(slider), law).wrench(data.twist) * unit
         return np.asarray(slider.weight * force.ravel())
 
-    def function(values: Values) -> tuple[Array, Array]:
+    def function(values: Values) -> Rows:
         shape = np.array([values[name] for name in PLATE_NAMES])
         shape[0] += values["floor_dome"]
         mean = math.exp(values["friction_scale"])
@@ -425,11 +427,9 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     count = sliding.ratio.size
     single = len(np.unique(sliding.push)) == 1
     groups = np.arange(count) if single else sliding.push
-    kinds = np.repeat(RATIO_KIND, count)
+    ones = np.ones((count, 1))
     parameters = ("pusher_friction",)
-    return linear_block(
-        "force ratios", parameters, np.ones((count, 1)), np.array(sliding.ratio), groups, kinds
-    )
+    return linear_block("force ratios", parameters, ones, sliding.ratio, groups, RATIO_KIND)
 
 
 def sliding_forces(
@@ -450,8 +450,8 @@ def sliding_forces(
             for first, end in stretches(slides):
                 for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
-                    ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, index, samples.window))
+                    force = np.sum(samples.force[piece])
+                    rows.append((sign * force.imag / force.real, index, samples.window))
         sticking += int(
             np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window))
         )
@@ -459,7 +459,7 @@ def sliding_forces(
     return SlidingForces(ratios, numbers.astype(np.int64), int(np.sum(lengths)), sticking)
 
 
-def _steady(state: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:
+def _steady(state: Mask, window: int) -> Mask:
     """Whether a state lasts through all of the window about each sample."""
     padded = np.pad(state, window // 2, constant_values=False)
     return np.asarray(np.all(np.lib.stride_tricks.sliding_window_view(padded, window), axis=1))

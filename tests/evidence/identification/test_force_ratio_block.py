@@ -10,7 +10,7 @@ from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import RecordingNoise, contact_force_ratio, identify, read_push_file
-from cyclemap.evidence.data_blocks.force_blocks import force_ratio_block, sliding_forces
+from cyclemap.evidence.identification.force_blocks import force_ratio_block, sliding_forces
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.recorded_push import Recording, record_push
 from cyclemap.mechanics import Pusher, Slider

@@ -18,7 +18,7 @@ from cyclemap.arrays import Array, evenly_spread
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.stroke_block import (
+from cyclemap.evidence.identification.stroke_block import (
     CYCLE_UNKNOWNS,
     cycles_by_unknowns,
     drag_turn_block,
@@ -27,8 +27,12 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 )
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
 from cyclemap.evidence.predicted_strokes import PUSH_NAMES, predicted_push_ends
-from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.pushes.measured_strokes import push_noise, set_up_errors
+from cyclemap.evidence.pushes.measured_strokes import (
+    MeasuredDrag,
+    MeasuredPush,
+    push_noise,
+    set_up_errors,
+)
 from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 
@@ -42,6 +46,9 @@ _NODES, _FINE, _ANGLES = 33, 720, 36
 ANY_DIRECTION = math.pi / math.sqrt(3.0)
 # Pushes of which the prediction of any is asked.
 _ASKED = 60
+# How often every push of a set may be exchanged; what gains less than this share is left.
+_ROUNDS = 2
+_GAIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +82,8 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
         mend = "give --floor unknown, plywood-floor, abs-floor, or a file that identify wrote"
         raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
     every = [
-        starting_space(on_material(loop, loop.material.sample(number))).nominal
-        for number in range(len(posterior))
+        starting_space(on_material(loop, loop.material.sample(index))).nominal
+        for index in range(len(posterior))
     ]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = evenly_spread(len(every), samples)
@@ -84,7 +91,7 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
 
 
 def push_sensitivity(
-    known: Beliefs, pushes: Sequence[SetPush], read: tuple[float, float]
+    known: Beliefs, pushes: Sequence[MeasuredPush], read: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return where pushes end in each sample (s, n, 3), m and rad, and derivatives by UNKNOWNS, all
     over the noise: of these ends (s, n, 3, k), and of what is measured (s, n, 4, k).
@@ -98,24 +105,28 @@ def push_sensitivity(
     radius = known.loop.pusher.radius
     noise = push_noise(read)
     set_up = set_up_errors(read)
-    made = [push.measured(slider, radius) for push in pushes]
     ends = []
     plain = []
     derivatives = []
     for values in known.values:
         surface = SurfaceParameters.from_values(values)
         model = surface_model(surface, slider, rod_radius=radius)
-        moved, by_all, _ = predicted_push_ends(model, made, names=PUSH_NAMES)
+        moved, by_all, _ = predicted_push_ends(model, pushes, names=PUSH_NAMES)
         by = surface.chain(by_all[..., :-3], PUSH_NAMES, UNKNOWNS)
         ends.append(moved)
         plain.append(by / noise[:3, None])
         derivatives.append(over_noise(by, by_all[..., -3:] * set_up, noise[:3]))
-    poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
-    drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
-    back = drag_turn_block(drags, slider)
+    drags = []
+    for push, pose in zip(pushes, np.mean(ends, axis=0).tolist(), strict=True):
+        end = Pose(*pose)
+        ring = push.start.to_world(*slider.hitch)
+        lever = Pose(theta=end.theta).to_world(*slider.hitch)
+        back = Pose(ring[0] - lever[0], ring[1] - lever[1], end.theta)
+        drags.append(MeasuredDrag(end, back))
+    block = drag_turn_block(drags, slider)
     turns = []
     for values in known.values:
-        by_drag = back.columns_by(UNKNOWNS, back.residuals(values)[1])
+        by_drag = block.columns_by(UNKNOWNS, block.residuals(values)[1])
         turns.append(by_drag[:, np.newaxis] / noise[3])
     return np.array(ends), np.array(plain), np.concatenate([derivatives, turns], axis=2)
 
@@ -241,3 +252,87 @@ def _direction(known: Beliefs) -> Target:
         )
 
     return Target(np.array(padded), loss, words, float(locks.mean()))
+
+
+class Design:
+    """Sets of candidates, by number, and what is known after them.
+
+    Attributes
+    ----------
+    believed : ndarray, shape (k, k)
+        Covariance of the unknowns beforehand.
+    derivatives : ndarray, shape (s, n, m, k)
+        Of the m numbers measured of each of the n candidates, over their noise, in each sample.
+    target : Target
+        What is asked for.
+    """
+
+    def __init__(self, believed: Array, derivatives: Array, target: Target) -> None:
+        # In units of what is believed, so that what is known beforehand costs no digits.
+        values, vectors = np.linalg.eigh(believed)
+        seen = values > 1e-12 * values.max()
+        root = vectors[:, seen] * np.sqrt(values[seen])
+        self.rows = derivatives @ root
+        self.gradient = target.gradient @ root
+        self.target = target
+        self.information = np.einsum("snik,snil->snkl", self.rows, self.rows)
+
+    def covariance(self, chosen: list[int]) -> Array:
+        """Of the unknowns after these pushes, (s, k, k)."""
+        size = self.rows.shape[-1]
+        return np.asarray(np.linalg.inv(np.eye(size) + self.information[:, chosen].sum(axis=1)))
+
+    def variance(self, chosen: list[int]) -> Array:
+        """Of what is asked, (s, m)."""
+        return np.asarray(
+            np.einsum("smk,skl,sml->sm", self.gradient, self.covariance(chosen), self.gradient)
+        )
+
+    def loss(self, chosen: list[int]) -> float:
+        """What is to be small, after these pushes."""
+        return float(self.target.loss(self.variance(chosen)))
+
+    def knowledge(self, chosen: list[int]) -> dict[str, float]:
+        """What is known after these pushes, by name."""
+        return self.target.words(self.variance(chosen))
+
+    def with_one_more(self, chosen: list[int]) -> Array:
+        """The loss (n,) after these pushes and each of the candidates."""
+        before = self.covariance(chosen)[:, None]
+        spread = self.rows @ before
+        measured = spread @ self.rows.swapaxes(-1, -2) + np.eye(self.rows.shape[2])
+        asked = self.gradient[:, None].swapaxes(-1, -2)
+        seen = spread @ asked
+        gained = (seen * np.linalg.solve(measured, seen)).sum(axis=2)
+        variance = (asked * (before @ asked)).sum(axis=2)
+        losses = self.target.loss(np.maximum(variance - gained, 0.0).swapaxes(0, 1))
+        losses[chosen] = math.inf
+        return losses
+
+    def greedy(self, count: int, among: Sequence[int]) -> list[int]:
+        """So many of some pushes, each the one that tells most after those before it."""
+        chosen = list[int]()
+        while len(chosen) < count:
+            losses = self.with_one_more(chosen)
+            chosen.append(min(among, key=losses.__getitem__))
+        return chosen
+
+    def exchanged(self, chosen: list[int]) -> list[int]:
+        """The set with pushes exchanged for better ones: in all, and on average over the loss of
+        any of them.
+        """
+        kept = list(chosen)
+        for _ in range(_ROUNDS):
+            before = [*kept]
+            for place in range(len(kept)):
+                rest = kept[:place] + kept[place + 1 :]
+                losses = self.with_one_more(rest)
+                for lost in range(len(rest)):
+                    fewer = self.with_one_more(rest[:lost] + rest[lost + 1 :])
+                    losses = losses + np.where(np.isinf(losses), 0.0, fewer) / len(rest)
+                best = int(np.argmin(losses))
+                if losses[best] < (1.0 - _GAIN) * losses[kept[place]]:
+                    kept[place] = best
+            if kept == before:
+                break
+        return kept

@@ -16,6 +16,8 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 
+Size = int | tuple[int, ...]  # of an array of draws
+
 
 @runtime_checkable
 class Noise(Protocol):
@@ -69,17 +71,14 @@ class Noise(Protocol):
         digits.
         """
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Independent draws on the real line, radians."""
 
 
-def required_noise(noise: Noise | None) -> Noise:
-    """The noise, or InvalidInput where there is none."""
+def require_noise(noise: object) -> None:
+    """Raise InvalidInput where it is none."""
     if not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
-        )
-    return noise
+        raise InvalidInput(f"the noise is {noise!r}: give one, for example WrappedNormal(0.02)")
 
 
 def checked_width(name: str, value: float) -> float:
@@ -145,7 +144,7 @@ class WrappedNormal:
 
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = exp(-m²σ²/2)."""
-        order = np.asarray(m, dtype=np.float64)
+        order = reals(m)
         return np.exp(-0.5 * (order * self.sigma) ** 2)
 
     def tail(self, m: int) -> float:
@@ -175,31 +174,29 @@ class WrappedNormal:
             return self._waves(np.sin, x, -_ORDERS) / np.pi
         if not lifted:
             return self._summed(self.slope, x)
-        distance = np.asarray(x, dtype=np.float64)
+        distance = reals(x)
         return np.asarray(-distance / self.sigma**2 * self.density(distance, True))
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
-        scaled = np.asarray(x, dtype=np.float64) / (self.sigma * math.sqrt(2.0))
+        scaled = reals(x) / (self.sigma * math.sqrt(2.0))
         return np.asarray(0.5 * _erfc(scaled))
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
         if self.sigma >= _WIDE:
-            half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
+            half = 0.5 * (reals(high) - low)
             chords = np.sin(np.multiply.outer(half, _ORDERS)) / _ORDERS
             return (half + 2.0 * self._waves(np.cos, low + half, chords)) / np.pi
         near, beyond = folded(low, high)
-        above = self.exceedance(beyond)
-        within = np.where(near < 0.0, 1.0 - self.exceedance(-near), self.exceedance(near))
-        total = np.asarray(within - above)
+        total = np.asarray(self.exceedance(near) - self.exceedance(beyond))
         for turn in range(1, 2 + int(np.ceil(9.0 * self.sigma / TWO_PI))):
             shift = TWO_PI * turn
             total += self.exceedance(shift + near) - self.exceedance(shift + beyond)
             total += self.exceedance(shift - beyond) - self.exceedance(shift - near)
         return total
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Normal draws, radians, not wrapped."""
         return rng.normal(0.0, self.sigma, size)
 
@@ -215,9 +212,14 @@ class WrappedNormal:
         return np.asarray(sum(function(reduced(x) + turn, True) for turn in turns.tolist()))
 
 
+def reals(x: ArrayLike) -> Array:
+    """The same numbers as an array of floats."""
+    return np.asarray(x, dtype=np.float64)
+
+
 def reduced(x: ArrayLike) -> Array:
     """The same angle in [-π, π]; small angles keep all their digits."""
-    angle = np.asarray(x, dtype=np.float64)
+    angle = reals(x)
     return angle - TWO_PI * np.round(angle / TWO_PI)
 
 
@@ -225,7 +227,7 @@ def folded(low: Array | float, high: Array | float) -> tuple[Array, Array]:
     """The same arc seen from 0, mirrored so that its middle lies in [0, π]: its nearer and its
     farther end.
     """
-    half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
+    half = 0.5 * (reals(high) - low)
     far = np.abs(reduced(low + half))
     return far - half, far + half
 
@@ -290,7 +292,7 @@ class WrappedCauchy:
 
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = r^|m|."""
-        return self.r ** np.abs(np.asarray(m, dtype=np.float64))
+        return self.r ** np.abs(reals(m))
 
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, exactly."""
@@ -298,7 +300,7 @@ class WrappedCauchy:
 
     def density(self, x: ArrayLike, lifted: bool = False) -> Array:
         """The Cauchy density, per radian; on the circle (1 - r²)/(2π|1 - r e^{ix}|²)."""
-        gap = np.asarray(x, dtype=np.float64)
+        gap = reals(x)
         if lifted:
             return np.asarray(1.0 / (np.pi * self._scale * (1.0 + (gap / self._scale) ** 2)))
         distance = (1.0 - self.r) ** 2 + 4.0 * self.r * np.sin(0.5 * gap) ** 2
@@ -306,7 +308,7 @@ class WrappedCauchy:
 
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``."""
-        gap = np.asarray(x, dtype=np.float64)
+        gap = reals(x)
         square = self.density(gap, lifted) ** 2
         if lifted:
             return np.asarray(-2.0 * np.pi / self._scale * gap * square)
@@ -314,20 +316,20 @@ class WrappedCauchy:
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
-        return np.asarray(np.arctan2(self._scale, np.asarray(x, dtype=np.float64)) / np.pi)
+        return np.asarray(np.arctan2(self._scale, reals(x)) / np.pi)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep
         their digits.
         """
-        a = 0.5 * np.asarray(low, dtype=np.float64)
-        b = 0.5 * np.asarray(high, dtype=np.float64)
+        a = 0.5 * reals(low)
+        b = 0.5 * reals(high)
         stretch = (1.0 + self.r) / (
             1.0 - self.r
         )  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
         along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
         return np.arctan2(stretch * np.sin(b - a), along) / np.pi
 
-    def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
+    def sample(self, rng: np.random.Generator, size: Size) -> Array:
         """Cauchy draws, radians, not wrapped: now and then many turns long."""
         return self._scale * rng.standard_cauchy(size)

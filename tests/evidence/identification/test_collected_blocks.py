@@ -18,9 +18,9 @@ from cyclemap.evidence import (
     identify,
     simulate_collection,
 )
-from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, telling_parameters
+from cyclemap.evidence.identification.collected_blocks import CollectedBlocks
 from cyclemap.evidence.identification.data_block import usual_beliefs
-from cyclemap.evidence.identification.known_floor import FLOOR_TOLD, held_values
+from cyclemap.evidence.identification.known_floor import FLOOR_TOLD, held_values, telling_parameters
 from cyclemap.evidence.identification.surface_parameters import SURFACE, starting_space
 from cyclemap.mechanics import (
     EllipseFriction,

@@ -9,35 +9,71 @@ better one as long as there is any.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, placed
 from cyclemap.checks import non_negative_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, in_room
-from cyclemap.evidence.push_plan.sensitivity import (
+from cyclemap.errors import InvalidInput, RodMissesObject
+from cyclemap.evidence.predicted_strokes import push_from_contact
+from cyclemap.evidence.push_design import (
     TARGETS,
-    Target,
+    Design,
     push_sensitivity,
     sampled_beliefs,
     target_of,
 )
-from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
+from cyclemap.evidence.pushes.measured_strokes import READ, MeasuredPush, push_noise
+from cyclemap.mechanics import Ellipse, Pose, SidePush, Slider
+from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.progress import Progress, unheard
 
 MOST_PUSHES = 32
 # Candidates times samples: each is a push that is run, and some thousand numbers.
 MOST_RUNS = 50_000
-# Of random pushes, how many sets are looked at; how often every push may be exchanged.
-_RANDOM_SETS, _ROUNDS = 12, 2
-# Of what exchanges gain less than this share is left.
-_GAIN = 1e-3
+# Of random pushes, how many sets are looked at.
+_RANDOM_SETS = 12
 COUNTS = (4, 8, 16)
+# Where on a side, how slanted (rad) and, by the size of the object, how long a push may be.
+_FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
+_ANGLES = tuple(math.radians(angle) for angle in (-20.0, 0.0, 20.0))
+_LENGTHS = (0.55, 1.1, 1.65)
+# Places around an ellipse, whose whole outline is one side.
+_AROUND = tuple((place + 0.5) / 16 for place in range(16))
+_RULED = 5e-3
+# A side shorter than this share of the longest is no place for a rod.
+_SHORT = 0.3
+# The rod comes in from so far before it touches, m.
+APPROACH = 0.03
+
+
+@dataclass(frozen=True)
+class SetPush:
+    """A push to be set up: how the rod pushes, and the pose that the object is put in before (m,
+    rad).
+
+    The pose is in the frame of the room, whose origin is the corner at its left and near side.
+    """
+
+    push: SidePush
+    start: Pose
+
+    def rod(self, slider: Slider, radius: float) -> Array:
+        """Return where the rod's centre first touches and where it ends (2, 2), m in the frame of
+        `start`.
+        """
+        measured = self.measured(slider, radius)
+        return np.array((measured.tip_start, measured.tip_end))
+
+    def measured(self, slider: Slider, radius: float) -> MeasuredPush:
+        """Return the push as one that was measured, and has not moved the object."""
+        return push_from_contact(slider, radius, self.push, self.start, self.start)
 
 
 @dataclass(frozen=True)
@@ -184,43 +220,38 @@ def plan_pushes(
     True
     """
     asked = whole_number("pushes of a plan", count, least=1)
-    if asked > MOST_PUSHES:
-        raise InvalidInput(
-            f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"
-        )
     if target not in TARGETS:
         raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
-    for side in room:
-        positive_number("width and depth of a room", side)
-    for error, unit in zip(read, ("m", "rad"), strict=True):
-        non_negative_number(f"error in {unit}", error)
-    whole_number("samples", samples, least=2)
-    whole_number("candidates", candidates, least=asked)
-    require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
+    _check_sizes(asked, room, read, samples, candidates)
     report = progress or unheard
     known = sampled_beliefs(loop, samples)
     offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
-    ends, by, measured = push_sensitivity(known, offered, read)
+    made = [push.measured(loop.slider, loop.pusher.radius) for push in offered]
+    ends, by, measured = push_sensitivity(known, made, read)
     report(0.5)
-    fitting = [in_room(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
-    kept = [(index, push) for index, push in enumerate(fitting) if push is not None]
+    kept = dict[int, SetPush]()
+    for index, push in enumerate(offered):
+        in_middle = in_room(push, ends[:, index], loop, room)
+        if in_middle is not None:
+            kept[index] = in_middle
     if len(kept) < asked:
         held = f"{1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)}"
         raise InvalidInput(f"a room of {held} pushes: give a larger one, or ask for fewer pushes")
     wanted = target_of(known, target, by, push_noise(read)[:3])
     report(0.8)
-    design = Design(known.covariance, measured[:, [index for index, _ in kept]], wanted)
+    design = Design(known.covariance, measured[:, [*kept]], wanted)
     first = design.greedy(min(max(asked, *COUNTS), len(kept)), range(len(kept)))
     chosen = design.greedy(asked, design.exchanged(first[:asked]))
     fewer = [[other for other in chosen if other != index] for index in chosen]
-    planned = [kept[index] for index in chosen]
-    shift = np.array([(push.start.x, push.start.y, 0.0) for _, push in planned])
+    planned = np.array([*kept])[chosen].tolist()
+    pushes = tuple(kept[index] for index in planned)
+    shift = np.array([(push.start.x, push.start.y, 0.0) for push in pushes])
     report(1.0)
     return PushPlan(
         loop,
         target,
-        tuple(push for _, push in planned),
-        ends[:, [index for index, _ in planned]].mean(axis=0) + shift,
+        pushes,
+        ends[:, planned].mean(axis=0) + shift,
         _knowledge(design, first, chosen, seed),
         design.knowledge(max(fewer, key=design.loss)),
         wanted.chance,
@@ -229,6 +260,93 @@ def plan_pushes(
         len(known.values),
         len(kept),
     )
+
+
+def _check_sizes(
+    asked: int, room: tuple[float, float], read: tuple[float, float], samples: int, candidates: int
+) -> None:
+    """Refuse numbers of a plan that make no sense, or are too large."""
+    if asked > MOST_PUSHES:
+        raise InvalidInput(
+            f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"
+        )
+    for side in room:
+        positive_number("width and depth of a room", side)
+    for error, unit in zip(read, ("m", "rad"), strict=True):
+        non_negative_number(f"error in {unit}", error)
+    whole_number("samples", samples, least=2)
+    whole_number("candidates", candidates, least=asked)
+    require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
+
+
+def candidate_pushes(
+    loop: CollectionLoop, count: int, grid: float | None, longest: float, seed: int
+) -> tuple[SetPush, ...]:
+    """Return at most `count` of the pushes that can be set up, a random choice of them, of all
+    sides alike.
+
+    grid : rad, between orientations that a hand sets; None: any, for a robot.
+    longest : m, of a push.
+
+    Raises InvalidInput for an object without a place for the rod, or a grid of more than a turn.
+    """
+    whole_number("seed", seed, least=0)
+    if grid is not None and positive_number("grid", grid) > 2.0 * math.pi:
+        raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
+    slider = loop.slider
+    radius = loop.pusher.radius
+    rng = np.random.default_rng(seed)
+    size = math.sqrt(slider.outline.area)
+    lengths = [_RULED * max(round(share * size / _RULED), 1) for share in _LENGTHS]
+    lengths = [length for length in lengths if length <= longest] or [longest]
+    contacts = []
+    for side, fraction, angle in itertools.product(*_places(slider), _ANGLES):
+        push = SidePush(side, fraction, angle, lengths[0])
+        with suppress(InvalidInput, RodMissesObject):
+            first_contact(slider, push, radius)
+            contacts.append(push)
+    if not contacts:
+        raise InvalidInput(
+            f"{slider.name} has no side that a rod of {1e3 * radius:.3g} mm can push"
+        )
+    rounds = -(-count // len(contacts))
+    order = [*itertools.chain(*(rng.permutation(len(contacts)) for _ in range(rounds)))]
+    offered = []
+    for index in order[:count]:
+        turned = rng.uniform(0.0, 2.0 * math.pi)
+        if grid is not None:
+            turned = grid * math.floor(turned / grid)
+        push = replace(contacts[index], distance=float(rng.choice(lengths)))
+        offered.append(SetPush(push, Pose(theta=turned)))
+    return tuple(dict.fromkeys(offered))
+
+
+def _places(slider: Slider) -> tuple[list[int], tuple[float, ...]]:
+    """The sides that are long enough, and the places on each."""
+    if isinstance(slider.outline, Ellipse):
+        return [0], _AROUND
+    corners = slider.outline.array
+    length = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
+    return np.flatnonzero(length >= _SHORT * length.max()).tolist(), _FRACTIONS
+
+
+def in_room(
+    push: SetPush, ends: Array, loop: CollectionLoop, room: tuple[float, float]
+) -> SetPush | None:
+    """Return the push in the middle of a room (m); None where object and rod need more than that.
+
+    ends (s, 3) : poses in which it may end, from the start pose of `push`.
+    """
+    outline = loop.slider.outline_points(60)
+    first, last = push.rod(loop.slider, loop.pusher.radius)
+    begin = np.array(astuple(push.start))
+    reach = [placed(pose, outline) for pose in (begin, *ends)]
+    reach += [first - APPROACH * (last - first) / push.push.distance, last]
+    low, high = np.min(np.vstack(reach), axis=0), np.max(np.vstack(reach), axis=0)
+    if np.any(high - low > room):
+        return None
+    x, y = np.round(begin[:2] + 0.5 * np.array(room) - 0.5 * (low + high), 3).tolist()
+    return replace(push, start=Pose(x, y, push.start.theta))
 
 
 def _knowledge(
@@ -248,87 +366,3 @@ def _knowledge(
             random[name] = math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
         steps.append(Knowledge(count, planned, random))
     return tuple(steps)
-
-
-class Design:
-    """Sets of candidates, by number, and what is known after them.
-
-    Attributes
-    ----------
-    believed : ndarray, shape (k, k)
-        Covariance of the unknowns beforehand.
-    derivatives : ndarray, shape (s, n, m, k)
-        Of the m numbers measured of each of the n candidates, over their noise, in each sample.
-    target : Target
-        What is asked for.
-    """
-
-    def __init__(self, believed: Array, derivatives: Array, target: Target) -> None:
-        # In units of what is believed, so that what is known beforehand costs no digits.
-        values, vectors = np.linalg.eigh(believed)
-        seen = values > 1e-12 * values.max()
-        root = vectors[:, seen] * np.sqrt(values[seen])
-        self.rows = derivatives @ root
-        self.gradient = target.gradient @ root
-        self.target = target
-        self.information = np.einsum("snik,snil->snkl", self.rows, self.rows)
-
-    def covariance(self, chosen: list[int]) -> Array:
-        """Of the unknowns after these pushes, (s, k, k)."""
-        size = self.rows.shape[-1]
-        return np.asarray(np.linalg.inv(np.eye(size) + self.information[:, chosen].sum(axis=1)))
-
-    def variance(self, chosen: list[int]) -> Array:
-        """Of what is asked, (s, m)."""
-        return np.asarray(
-            np.einsum("smk,skl,sml->sm", self.gradient, self.covariance(chosen), self.gradient)
-        )
-
-    def loss(self, chosen: list[int]) -> float:
-        """What is to be small, after these pushes."""
-        return float(self.target.loss(self.variance(chosen)))
-
-    def knowledge(self, chosen: list[int]) -> dict[str, float]:
-        """What is known after these pushes, by name."""
-        return self.target.words(self.variance(chosen))
-
-    def with_one_more(self, chosen: list[int]) -> Array:
-        """The loss (n,) after these pushes and each of the candidates."""
-        before = self.covariance(chosen)[:, None]
-        spread = self.rows @ before
-        measured = spread @ self.rows.swapaxes(-1, -2) + np.eye(self.rows.shape[2])
-        asked = self.gradient[:, None].swapaxes(-1, -2)
-        seen = spread @ asked
-        gained = (seen * np.linalg.solve(measured, seen)).sum(axis=2)
-        variance = (asked * (before @ asked)).sum(axis=2)
-        losses = self.target.loss(np.maximum(variance - gained, 0.0).swapaxes(0, 1))
-        losses[chosen] = math.inf
-        return losses
-
-    def greedy(self, count: int, among: Sequence[int]) -> list[int]:
-        """So many of some pushes, each the one that tells most after those before it."""
-        chosen = list[int]()
-        while len(chosen) < count:
-            losses = self.with_one_more(chosen)
-            chosen.append(min(among, key=losses.__getitem__))
-        return chosen
-
-    def exchanged(self, chosen: list[int]) -> list[int]:
-        """The set with pushes exchanged for better ones: in all, and on average over the loss of
-        any of them.
-        """
-        kept = list(chosen)
-        for _ in range(_ROUNDS):
-            before = [*kept]
-            for place in range(len(kept)):
-                rest = kept[:place] + kept[place + 1 :]
-                losses = self.with_one_more(rest)
-                for lost in range(len(rest)):
-                    fewer = self.with_one_more(rest[:lost] + rest[lost + 1 :])
-                    losses = losses + np.where(np.isinf(losses), 0.0, fewer) / len(rest)
-                best = int(np.argmin(losses))
-                if losses[best] < (1.0 - _GAIN) * losses[kept[place]]:
-                    kept[place] = best
-            if kept == before:
-                break
-        return kept

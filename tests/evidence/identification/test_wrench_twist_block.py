@@ -10,7 +10,7 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import WrenchTwists, identify, wrench_twist_block
-from cyclemap.evidence.data_blocks.force_blocks import read_wrench_twists
+from cyclemap.evidence.identification.force_blocks import read_wrench_twists
 from cyclemap.evidence.tables.columns import TWIST_COLUMNS, WRENCH_COLUMNS, known_columns
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PressedFootprint, Slider, SurfaceShape
 from cyclemap.text_files import read_csv_table

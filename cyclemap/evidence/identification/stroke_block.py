@@ -4,7 +4,7 @@ whole cycles.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
+from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD,
     FLOOR_NAMES,
@@ -24,7 +24,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
     Parameter,
+    Rows,
     SurfaceParameters,
+    Values,
     floor_field,
     worn_share,
 )
@@ -42,8 +44,6 @@ from cyclemap.mechanics import FoundWith, Material, Pusher, QuasiStaticModel, Sl
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
 from cyclemap.mechanics.foundation import FloorField
-
-Rows = tuple[Array, Array]
 
 # Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of
 # exact ones.
@@ -130,23 +130,22 @@ def push_end_block(
     """
     unknown = TIP_OFFSET if first_set is None else set_ups(first_set, len(pushes))
     # Which of the unknowns a push has, along x, along y, and, where it is its own, of its turn.
-    own = np.arange(len(unknown)).reshape(-1, 2 if first_set is None else 3)
-    own = np.broadcast_to(own, (len(pushes), own.shape[1]))
+    width = 2 if first_set is None else 3
+    own = np.broadcast_to(np.arange(len(unknown)).reshape(-1, width), (len(pushes), width))
 
     def ends(model: QuasiStaticModel, chosen: Labels, values: Values) -> StrokeEnds:
         columns = own[chosen]
         off = np.zeros((chosen.size, 3))
-        off[:, : own.shape[1]] = np.array([values[row.name] for row in unknown])[columns]
+        off[:, :width] = np.array([values[row.name] for row in unknown])[columns]
         strokes = [pushes[index] for index in chosen.tolist()]
         moved, by, stayed = predicted_push_ends(
             model, strokes, off[:, :2], PUSH_NAMES, target, off[:, 2]
         )
         by_off = np.zeros((chosen.size, 3, len(unknown)))
-        by_own = by[..., -3:][..., : own.shape[1]]
-        np.put_along_axis(by_off, columns[:, None], by_own, axis=-1)
+        np.put_along_axis(by_off, columns[:, None], by[..., -3:][..., :width], axis=-1)
         return moved, np.concatenate([by[..., :-3], by_off], axis=-1), stayed
 
-    kinds = {"x": "push place (m)", "y": "push place (m)", "theta": "push turn (rad)"}
+    kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     parameters = (*(() if target is None else FIELD), *unknown)
     return _stroke_block(
         "push ends", pushes, slider, ends, kinds, PUSH_NAMES, parameters, rod_radius
@@ -204,7 +203,7 @@ def drag_turn_block(
         return predicted_drag_ends(model, strokes, values["pin_friction_radius"], target)
 
     own = () if target is None else FIELD
-    kinds = {"theta": "drag turn (rad)"}
+    kinds = ("drag turn (rad)",)
     return _stroke_block("drag-backs", drags, slider, ends, kinds, DRAG_NAMES, own)
 
 
@@ -213,7 +212,7 @@ def _stroke_block(
     strokes: Sequence[MeasuredPush] | Sequence[MeasuredDrag],
     slider: Slider,
     ends: Callable[[QuasiStaticModel, Labels, Values], StrokeEnds],
-    kinds: Mapping[str, str],
+    kinds: tuple[str, ...],
     names: tuple[str, ...],
     own_parameters: tuple[Parameter, ...],
     rod_radius: float = MIT_ROD_RADIUS,
@@ -221,13 +220,13 @@ def _stroke_block(
     """The block of strokes of an object; strokes of one contact are a group.
 
     ends : model, indices of strokes, values -> where they end.
-    kinds : what is measured of a pose, and its noise.
+    kinds : noise of what is measured of a pose, its place and its orientation, or the latter alone.
     names : parameters of the mechanics, the friction law's first, by which these ends are
         differentiated before the own ones.
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")
-    rows = [("x", "y", "theta").index(coordinate) for coordinate in kinds]
+    count = len(kinds)
     # The motion does not depend on the mean friction.
     unknowns = (*SURFACE.names[1:5], *names[len(FRICTION_NAMES) :])
     parameters = (*unknowns, *(parameter.name for parameter in own_parameters))
@@ -240,10 +239,10 @@ def _stroke_block(
         predicted, by, stayed = ends(model, chosen, values)
         by_surface = surface.chain(by[..., : len(names)], names, unknowns)
         jacobian = np.concatenate([by_surface, by[..., len(names) :]], axis=-1)
-        return (predicted - measured[chosen])[:, rows], jacobian[:, rows], stayed
+        return (predicted - measured[chosen])[:, -count:], jacobian[:, -count:], stayed
 
     def part(chosen: Labels) -> Function:
-        indices = chosen[:: len(rows)] // len(rows)
+        indices = chosen[::count] // count
 
         def function(values: Values) -> Rows:
             residual, jacobian, _ = misfit(indices, values)
@@ -252,13 +251,13 @@ def _stroke_block(
         return function
 
     turned = [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
-    groups = np.repeat([stroke.contact for stroke in strokes], len(rows))
+    groups = np.repeat([stroke.contact for stroke in strokes], count)
     return DataBlock(
         name,
         parameters,
         part(np.arange(groups.size)),
         groups,
-        np.tile([*kinds.values()], len(strokes)),
+        np.tile(kinds, len(strokes)),
         own_parameters,
         part,
         np.array(turned),
@@ -284,15 +283,14 @@ def surface_model(
 
 def interpolation(theta: ArrayLike, count: int) -> Array:
     """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them
-    at theta (n,), rad.
+    at theta (n,), rad; count : odd.
 
     >>> nodes = 2 * np.pi * np.arange(5) / 5
     >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
     True
     """
-    off = (
-        finite_array("theta", theta, ndim=1)[:, np.newaxis] - 2.0 * np.pi * np.arange(count) / count
-    )
+    nodes = 2.0 * np.pi * np.arange(count) / count
+    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - nodes
     orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
     return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
 
@@ -351,37 +349,39 @@ def cycle_pair_block(
             f"{angles.size} orientations and {measured.size} turns: give one turn for each, one at "
             "least"
         )
-    between = interpolation(angles, NODES)
-    motions = np.column_stack([angles, measured])
-    kinds = _cycle_kinds(angles)
-    if elapsed is None:
-        steady = _CycleTurns(loop, between, measured)
-        function, curve = steady.residuals, steady.curve
-        return DataBlock(
-            "cycles", CYCLE_UNKNOWNS, function, groups, kinds, motions=motions, curve=curve
-        )
-    passed = finite_array("elapsed share of the data", elapsed, ndim=1)
-    if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
-        raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
-    own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
-    parameters = (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters))
-    wearing = _WearingTurns(loop, between, measured, passed)
-    function, curve = wearing.residuals, wearing.curve
+    own_parameters: tuple[Parameter, ...] = ()
+    passed = None
+    if elapsed is not None:
+        own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
+        passed = finite_array("elapsed share of the data", elapsed, ndim=1)
+        if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
+            raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
+    cycles = _CycleTurns(loop, interpolation(angles, NODES), measured, passed)
     return DataBlock(
-        "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
+        "cycles",
+        (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters)),
+        cycles.residuals,
+        groups,
+        _cycle_kinds(angles),
+        own_parameters,
+        motions=np.column_stack([angles, measured]),
+        curve=cycles.curve,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _CycleTurns:
-    """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones.
+    """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones; where the
+    surface wears these are computed at _WEAR_NODES, with a polynomial between.
 
     between : (n, NODES), from the nodes to the orientations of the cycles.
+    elapsed : (n,), shares of the data made before; None where nothing wears.
     """
 
     loop: CollectionLoop
     between: Array
     measured: Array
+    elapsed: Array | None
 
     def at_nodes(self, values: Values, worn: float = 0.0) -> Rows:
         """Return turns at the nodes on a surface as worn as that, and their derivatives by
@@ -397,42 +397,31 @@ class _CycleTurns:
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted less measured turns, and their derivatives by the unknowns."""
-        turned, by_unknowns = self.at_nodes(values)
-        return self.between @ turned - self.measured, self.between @ by_unknowns
-
-    def curve(self, values: Values, around: Array, late: bool) -> Array:
-        """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
-        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
-
-
-@dataclass(frozen=True, eq=False)
-class _WearingTurns(_CycleTurns):
-    """The same on a surface that wears: turns are computed at _WEAR_NODES, a polynomial between.
-
-    elapsed : (n,), shares of the data made before.
-    """
-
-    elapsed: Array
-
-    def residuals(self, values: Values) -> Rows:
-        """Return predicted less measured turns, and their derivatives by the unknowns."""
+        if self.elapsed is None:
+            turned, by_unknowns = self.at_nodes(values)
+            return self.between @ turned - self.measured, self.between @ by_unknowns
         share, share_by_pace = worn_share([values[name] for name in PACE_NAMES], self.elapsed)
-        weights, slopes = _blending(share)
+        blends = [lagrange(_WEAR_NODES, basis) for basis in np.eye(len(_WEAR_NODES))]
         predicted = np.zeros(share.size)
         by_share = np.zeros(share.size)
         by_fresh = np.zeros((share.size, len(CYCLE_UNKNOWNS)))
         by_worn = np.zeros((share.size, len(WORN)))
-        for index, worn in enumerate(_WEAR_NODES):
+        for worn, blend in zip(_WEAR_NODES, blends, strict=True):
             turned, by_unknowns = self.at_nodes(values, worn)
             turns = self.between @ turned
-            predicted += weights[:, index] * turns
-            by_share += slopes[:, index] * turns
-            by_surface = weights[:, index, np.newaxis] * (self.between @ by_unknowns)
+            weight = blend(share)
+            predicted += weight * turns
+            by_share += blend.deriv()(share) * turns
+            by_surface = weight[:, np.newaxis] * (self.between @ by_unknowns)
             by_worn += worn * by_surface[:, : len(WORN)]
             by_surface[:, : len(WORN)] *= 1.0 - worn
             by_fresh += by_surface
         by_pace = by_share[:, np.newaxis] * share_by_pace
         return predicted - self.measured, np.hstack([by_fresh, by_worn, by_pace])
+
+    def curve(self, values: Values, around: Array, late: bool) -> Array:
+        """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
+        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
 
 
 def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
@@ -454,17 +443,6 @@ def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
             kinds[inside] = f"cycle turn at {place} (rad)"
             first = last
     return kinds
-
-
-def _blending(share: Array) -> Rows:
-    """Weights (n, k) of the turns on surfaces as worn as _WEAR_NODES, and their slopes by the
-    share.
-    """
-    bases = np.eye(len(_WEAR_NODES))
-    polynomials = [lagrange(_WEAR_NODES, basis) for basis in bases]
-    weights = np.stack([polynomial(share) for polynomial in polynomials], axis=-1)
-    slopes = np.stack([polynomial.deriv()(share) for polynomial in polynomials], axis=-1)
-    return weights, slopes
 
 
 def cycles_by_unknowns(

@@ -13,14 +13,14 @@ from refusals import refused
 
 import cyclemap as cm
 from cyclemap.evidence import PushPlan, plan_pushes
-from cyclemap.evidence.data_blocks.stroke_block import loop_on
+from cyclemap.evidence.identification.stroke_block import loop_on
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.push_plan.candidates import candidate_pushes, in_room
-from cyclemap.evidence.push_plan.plan_pushes import Design
-from cyclemap.evidence.push_plan.sensitivity import (
+from cyclemap.evidence.plan_pushes import candidate_pushes, in_room
+from cyclemap.evidence.push_design import (
     TARGETS,
     UNKNOWNS,
     Beliefs,
+    Design,
     over_noise,
     push_sensitivity,
     target_of,
@@ -53,9 +53,9 @@ def planned(target: str = "direction") -> PushPlan:
 @cache
 def design(target: str) -> Design:
     known = believed()
-    _, by, measured = push_sensitivity(
-        known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), READ
-    )
+    offered = candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0)
+    made = [push.measured(PLATE, PLYWOOD.pusher.radius) for push in offered]
+    _, by, measured = push_sensitivity(known, made, READ)
     return Design(known.covariance, measured, target_of(known, target, by, NOISE))
 
 
