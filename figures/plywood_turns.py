@@ -38,6 +38,7 @@ from cyclemap.views.panels.orientation import (
 )
 from cyclemap.views.panels.scene import MM, draw_object
 from cyclemap.views.panels.style import (
+    DOTS,
     FORCE,
     FOURTH,
     INK,
@@ -159,7 +160,8 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes
-        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), label="recorded pushes")
+        look = {**DOTS, "label": "recorded pushes"}
+        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), look)
     degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
     entitle(push, "Push")

@@ -39,6 +39,7 @@ from cyclemap.views.panels.scene import (
     mark_target,
 )
 from cyclemap.views.panels.style import (
+    DOTS,
     EVEN,
     FORCE,
     FOURTH,
@@ -169,7 +170,9 @@ def probe_page(probe: Probe) -> Figure:
     # The mean motion is free in the fit: it is what the object rests on, not the direction.
     mimicked += probe.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
     for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
-        draw_outcome(axes, probe.theta, probe.change[:, column], outcome, label="probed")
+        draw_outcome(
+            axes, probe.theta, probe.change[:, column], outcome, {**DOTS, "label": "probed"}
+        )
         title, _, scale, _ = orientation.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
         axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **LINE)
