@@ -148,10 +148,8 @@ def key_words(key: str) -> str:
     >>> key_words("hitch_x_mm"), key_words("pin_friction_mm")
     ('ring x', 'pin friction')
     """
-    unit = key.rpartition("_")[2]
-    return SWEPT[key].label or key.removesuffix(f"_{unit}" if unit in KEY_UNITS else "").replace(
-        "_", " "
-    )
+    name, _, unit = key.rpartition("_")
+    return SWEPT[key].label or (name if unit in KEY_UNITS else key).replace("_", " ")
 
 
 def label(words: str, unit: str) -> str:
