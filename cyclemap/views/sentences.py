@@ -386,14 +386,14 @@ def parameters_line(portrait: Portrait) -> str:
     )
     if math.isclose(law.mu_a, law.mu_b, rel_tol=1e-5) and law.m0 == law.n0 == 0.0:
         friction = f"friction {law.mu_a:.3g} all around"
-    parts = [friction]
+    clauses = [friction]
     if isinstance(loop.footprint, PressedFootprint):
         shapes = {"floor": loop.footprint.floor, "plate": loop.footprint.plate}
-        parts += [
+        clauses += [
             f"{name} {shape_words(shape)}" for name, shape in shapes.items() if not shape.is_flat
         ]
-    parts.append(f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:.3g}")
-    return "  ·  ".join([*parts, f"ring at ({ring_x:.1f}, {ring_y:.1f}) mm"])
+    clauses.append(f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:.3g}")
+    return "  ·  ".join([*clauses, f"ring at ({ring_x:.1f}, {ring_y:.1f}) mm"])
 
 
 def shape_words(shape: SurfaceShape) -> str:
