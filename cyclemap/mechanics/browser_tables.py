@@ -18,7 +18,6 @@ from cyclemap.mechanics.engine.parts import PARTS
 from cyclemap.mechanics.engine.schema import (
     BALANCE,
     LOOP,
-    MODES,
     PIECE,
     RECORD,
     RESULT,
@@ -93,7 +92,6 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
         "pieces": packed_numbers(piece_table(model.curve, (hitch[0], hitch[1]))),
         "sides": sides,
         **_outline(outline, unit),
-        "on_outline": [mode.place == "outline" for mode in MODES],
         "goals": packed_numbers(np.array(goals)),
         "pin_friction": reset.pin_friction_radius / unit,
         "parts": _parts(model),

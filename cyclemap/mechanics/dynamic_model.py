@@ -144,7 +144,7 @@ class DynamicModel:
 
     def __post_init__(self) -> None:
         for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
-            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+            vars(self)[name] = positive_number(name, getattr(self, name))
         if not 1e-10 <= self.tolerance <= 1e-3:
             raise InvalidInput(
                 f"tolerance {self.tolerance} is out of reach: choose one from 1e-10 to 1e-3"

@@ -136,9 +136,14 @@ class PatchFootprint:
                 "more of the load even, or give support points"
             )
         vars(self).update(
-            centre=centre, even_share=even_share, extent=outline.extent, second_moments=moments
+            centre=centre,
+            even_share=even_share,
+            extent=outline.extent,
+            second_moments=moments,
+            gradient=gradient,
+            balance=balance,
+            has_frame=has_frame,
         )
-        vars(self).update(gradient=gradient, balance=balance, has_frame=has_frame)
 
 
 @lru_cache(maxsize=256)
@@ -146,13 +151,15 @@ def _shape_of(outline: Outline) -> tuple[Array, Array, bool]:
     """Second moments (2, 2), the mean corner off the centroid (2,), and whether it has a frame;
     refuses thin ones.
     """
-    points, weights = area_quadrature(outline)
-    lever = points - outline.centroid
-    moments = np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
     corners, has_frame = np.zeros(2), True
     if isinstance(outline, Ellipse):
-        thickness = min(outline.semi_x, outline.semi_y) / outline.extent
+        semi_axes = np.array((outline.semi_x, outline.semi_y))
+        moments = np.diag(semi_axes**2) / 4.0
+        thickness = float(semi_axes.min()) / outline.extent
     else:
+        points, weights = area_quadrature(outline)
+        lever = points - outline.centroid
+        moments = np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
         thickness = float(np.sqrt(12.0 * max(np.linalg.eigvalsh(moments)[0], 0.0)) / outline.extent)
         corners = np.asarray(outline.array.mean(axis=0) - outline.centroid)
         inside = outline.scaled(INNER, outline.centroid)

@@ -213,22 +213,10 @@ def gauss_rule(order: int) -> tuple[Array, Array]:
     return read_only((node + 1.0) / 2.0), read_only(weight / 2.0)
 
 
-def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
+def area_quadrature(outline: Polygon, order: int = 6) -> tuple[Array, Array]:
     """Return points (k, 2) and weights (k,) of the mean over an outline, exact up to degree 2 order
     - 2.
     """
-    if isinstance(outline, Ellipse):
-        # Gauss in the squared radius, equal angles around.
-        count = 2 * order + 4
-        node, weight = gauss_rule(order + 2)
-        radius, angle = np.meshgrid(
-            np.sqrt(node), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
-        )
-        places = np.stack(
-            [outline.semi_x * radius * np.cos(angle), outline.semi_y * radius * np.sin(angle)],
-            axis=-1,
-        )
-        return places.reshape(-1, 2), np.repeat(weight / count, count)
     # Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in
     # sign).
     node, weight = gauss_rule(order)

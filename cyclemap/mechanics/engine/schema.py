@@ -153,14 +153,13 @@ OUTPUT = Columns("OUTPUTS", "OUTPUT_", "pushed:3 ended:3 way")
 RESULT = Columns(
     "RESULT_COLUMNS", "RESULT_", f"status has_left is_ambiguous travel {OUTPUT.entries}"
 )
-# The course of a task: number of the stroke (0: the push), travel, the rod's place, state, piece,
-# mode, both forces, residual of the balance; point and outward normal of the contact in the
-# object's frame.
+# The course of a task: number of the stroke (0: the push), the rod's way in the push or in the drag,
+# the rod's place, the object's place and orientation, piece and mode; place of contact (of two, the
+# first) and the rod's force, world frame; both forces at the contact, residual of the balance.
 RECORD = Columns(
     "RECORD_COLUMNS",
     "RECORD_",
-    f"stroke travel rod:2 {STATE.entries} piece mode compression tangential residual "
-    "point:2 normal:2",
+    "stroke way rod:2 place:2 theta piece mode touch:2 force:2 compression tangential residual",
 )
 
 # load: of each part, which add to one but for those without a load of their own. middle: centroid

@@ -18,7 +18,7 @@ from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import ContactCurve, CornerPiece, SidePiece
 from cyclemap.mechanics.engine.library import load
-from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, Ground
+from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, loads_of
 from cyclemap.mechanics.engine.schema import (
     BALANCE,
     FRICTION,
@@ -67,11 +67,12 @@ def pressure_tables(footprint: Footprint) -> PressureTables:
     """Return the tables of a footprint; InvalidInput where its load cannot be balanced."""
     if isinstance(footprint, PressedFootprint):
         return _foundation_tables(footprint)
-    ground = Ground(footprint)
-    rows, nodes = [part.rows(ground) for part in PARTS], [part.nodes(ground) for part in PARTS]
+    loads, names = loads_of(footprint), [part.name for part in PARTS]
+    rows = [loads.rows.get(name, np.zeros((0, ROW.size))) for name in names]
+    nodes = [loads.nodes.get(name, np.zeros((0, NODE.size))) for name in names]
     record = np.zeros(1, PRESSURE.dtype)[0]
-    record["load"] = [part.load(ground) for part in PARTS]
-    record["middle"], record["far"] = ground.middle, ground.far
+    record["load"] = [loads.shares.get(name, 0.0) for name in names]
+    record["middle"], record["far"] = loads.middle, loads.far
     record["first_row"], record["first_node"] = (
         np.cumsum([0, *map(len, tables)]) for tables in (rows, nodes)
     )
