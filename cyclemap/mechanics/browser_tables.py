@@ -14,6 +14,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.contact_curve import SidePiece
+from cyclemap.mechanics.engine.columns import places_in
 from cyclemap.mechanics.engine.parts import PARTS
 from cyclemap.mechanics.engine.schema import (
     BALANCE,
@@ -60,7 +61,7 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
     parts, pressed : the pressure as shares of the load, and as shapes of plate and floor, None
         where the footprint cannot have them.
     """
-    outline, unit = model.slider.outline, model.unit
+    outline, unit, layout = model.slider.outline, model.unit, LOOP.laid_out(_ADDRESS)
     hitch = [coordinate / unit for coordinate in model.slider.hitch]
     sides = [
         {
@@ -75,7 +76,7 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
     ]
     goals = [coordinate / unit for point in (*reset.way_points, (0.0, 0.0)) for coordinate in point]
     return {
-        "layout": {"fields": LOOP.places(_ADDRESS), "size": LOOP.laid_out(_ADDRESS).itemsize},
+        "layout": {"fields": places_in(layout), "size": layout.itemsize},
         "columns": {
             name: {"size": columns.size, **{key: columns.at(key) for key in columns.names}}
             for name, columns in (

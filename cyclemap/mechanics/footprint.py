@@ -471,11 +471,8 @@ def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
     start, arms = outline.array, side_arms(outline)
     end = np.roll(start, -1, axis=0)
     length = np.hypot(*(end - start).T)
-    points, shares = [], []
-    for a, b, share, several in zip(
-        start, end, arms / arms.sum(), np.rint(count * length / length.sum()), strict=True
-    ):
-        pieces = max(int(several), 1)
-        points.append(a + ((np.arange(pieces) + 0.5) / pieces)[:, None] * (b - a))
-        shares.append(np.full(pieces, share / pieces))
-    return np.concatenate(points), np.concatenate(shares)
+    pieces = np.maximum(np.rint(count * length / length.sum()), 1.0)
+    side = np.repeat(np.arange(len(start)), pieces.astype(int))
+    along = (np.arange(side.size) - np.searchsorted(side, side) + 0.5) / pieces[side]
+    points = start[side] + along[:, None] * (end - start)[side]
+    return points, (arms / arms.sum() / pieces)[side]

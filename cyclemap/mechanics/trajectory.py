@@ -313,11 +313,3 @@ class DynamicDrag(Stroke):
 
     length: float
     trajectory: DynamicTrajectory
-
-
-def turned(angle: Array, vectors: Array) -> Array:
-    """Return vectors (n, 2) or (1, 2) turned counter-clockwise by angles (n,), rad."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack(
-        [c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]]
-    )

@@ -290,17 +290,13 @@ def _packed(strokes: Sequence[Strokes]) -> tuple[NDArray[np.void], list[Array]]:
     for index, each in enumerate(strokes):
         goals = np.array(each.goals, dtype=float).reshape(-1, 2)
         held += [each.pieces, goals]
-        pieces = _address(each.pieces), len(each.pieces) - 1
+        law = each.friction, each.radius, each.tolerance
+        pieces = len(each.pieces) - 1, _address(each.pieces)
+        start = each.start_coordinate, each.by_fraction, each.direction, each.length
         loops[index] = (
-            (_addressed(each.pressure), each.friction, each.radius, each.tolerance, *pieces),
-            *(
-                each.start_piece,
-                each.start_coordinate,
-                each.by_fraction,
-                each.direction,
-                each.length,
-            ),
-            *(each.rod_friction, each.pin_friction, each.with_object, len(goals), _address(goals)),
+            (_addressed(each.pressure), *law, *pieces),
+            *(*start, each.rod_friction, each.pin_friction),
+            *(each.start_piece, each.with_object, len(goals), _address(goals)),
         )
     return loops, held
 
