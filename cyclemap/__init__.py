@@ -113,7 +113,7 @@ def _show_loops_in_notebooks() -> None:
 
 
 def _explorer(loop: "CollectionLoop") -> str:
-    from cyclemap.views.explorer.page import explorer_frame
+    from cyclemap.views.explorer_page import explorer_frame
 
     return explorer_frame(loop)
 

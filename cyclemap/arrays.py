@@ -53,3 +53,22 @@ def evenly_spread(count: int, most: int) -> list[int]:
     """
     places: list[int] = np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()
     return places
+
+
+def along_way(places: float | Array, way: Array, values: Array) -> Array:
+    """Return the values (..., k) at places (...) of a way (n,), linear between the rows (n, k) that
+    are known.
+
+    >>> along_way(0.25, np.array([0.0, 1.0]), np.array([[0.0, 2.0], [4.0, 2.0]])).tolist()
+    [1.0, 2.0]
+    """
+    return np.stack([np.interp(places, way, column) for column in values.T], axis=-1)
+
+
+def placed(pose: Array, points: Array) -> Array:
+    """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
+    cosine = np.cos(pose[2])
+    sine = np.sin(pose[2])
+    x = points[..., 0]
+    y = points[..., 1]
+    return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)

@@ -4,6 +4,8 @@ import json
 import re
 import unicodedata
 
+from cyclemap.errors import InvalidInput
+
 # Python's own `float` and `int` take underscores and the digits of every script, too.
 _NUMBER = re.compile(
     r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.ASCII | re.IGNORECASE
@@ -73,6 +75,19 @@ def plain_whole(text: str) -> int:
     if not _WHOLE.fullmatch(text.strip()):
         raise ValueError(f"{text!r} is not a whole number in plain digits")
     return int(text)
+
+
+def key_and_value(option: str, pair: str, form: str = "key=value") -> tuple[str, str]:
+    """Return both words of a text such as `side = 2`; InvalidInput names the option that it was
+    given to, and the form.
+
+    >>> key_and_value("--set", "side = 2")
+    ('side', '2')
+    """
+    key, _, value = (word.strip() for word in pair.partition("="))
+    if not (key and value):
+        raise InvalidInput(f"{option} {pair!r} is not of the form {form}")
+    return key, value
 
 
 def json_value(text: str | bytes) -> object:

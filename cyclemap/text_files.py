@@ -174,8 +174,10 @@ def read_json(path: str | Path) -> object:
     try:
         return json_value(content)
     except json.JSONDecodeError as error:
-        place = f"{error.msg} at line {error.lineno}, column {error.colno}"
-        raise DataFileError(f"{path}: not JSON, or cut short: {place}") from error
+        raise DataFileError(
+            f"{path}: not JSON, or cut short: {error.msg} at line {error.lineno}, column "
+            f"{error.colno}"
+        ) from error
     except ValueError as error:
         raise DataFileError(f"{path}: not JSON that can be used: {error}") from error
 
@@ -260,9 +262,10 @@ def _check_shape(table: CsvTable) -> None:
         raise table.error(1, "a header but no rows; the file is empty or cut off")
     for row in table.rows:
         if len(row.fields) != len(table.header):
-            counts = f"{len(row.fields)} of {len(table.header)} fields"
             raise table.error(
-                row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it"
+                row.line,
+                f"{len(row.fields)} of {len(table.header)} fields; the line is cut off or has "
+                "a stray comma: mend or remove it",
             )
 
 

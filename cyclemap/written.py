@@ -45,11 +45,18 @@ def direction_deg(radians: float) -> float:
 NUMBER = Unit("", float)
 DEGREES = Unit("deg", math.degrees)
 MILLIMETRES = Unit("mm", lambda metres: 1e3 * metres)
+# What people are told SI units in.
+_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
 # Metadata of fields: angles, directions of the circle, cycles, and what is not written.
 ANGLE = {"unit": DEGREES}
 DIRECTION = {"unit": Unit("deg", direction_deg)}
 CYCLES = {"unit": Unit("cycles", float)}
 UNWRITTEN = {"name": ""}
+
+
+def readable_unit(unit: str) -> Unit:
+    """Return the unit that people are told numbers of an SI unit in."""
+    return _READABLE.get(unit, Unit(unit, float))
 
 
 def written(value: Any, unit: Unit = NUMBER) -> Any:
@@ -73,11 +80,12 @@ def written(value: Any, unit: Unit = NUMBER) -> Any:
     return [written(entry, unit) for entry in value]
 
 
-def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER) -> Json:
+def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER, **units: Unit) -> Json:
     """Return the fields of a result by their written names, in their units; or those of `names`.
 
     A name may be a property's, too.
     unit : of what has none in its metadata.
+    units : the same of single names.
 
     >>> from cyclemap.maps import RestMultiplier
     >>> json_of(RestMultiplier(0.5, 0.4, 0.6, 50, math.pi), "value", "theta")
@@ -88,7 +96,7 @@ def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER) -> Json
     for name in names or metadata:
         said: Mapping[str, Any] = metadata.get(name, {})
         base = said.get("name", name)
-        own = said.get("unit", unit)
+        own = said.get("unit", units.get(name, unit))
         if base:
             entries[own.named(base)] = written(getattr(result, name), own)
     return entries

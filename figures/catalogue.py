@@ -113,9 +113,7 @@ class Frame:
 
 
 CATALOGUE = (
-    Entry(
-        "setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles", "setup_and_cycle"
-    ),
+    Entry("setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles", "cycles"),
     Entry(
         "trajectories-object-frame",
         "Fig. 3",
@@ -132,13 +130,13 @@ CATALOGUE = (
         "limit-ellipse-and-patch",
         "the paper's limit ellipse and patch, and Fig. 10 (right)",
         "Limit ellipse of a point, of plywood, and the forces of the patch",
-        "limit_ellipse_and_patch",
+        "forces",
     ),
     Entry(
         "force-ratio",
         "Fig. 10 (left)",
         "Ratio of tangential to normal force at the pushing point",
-        "force_ratio",
+        "forces",
     ),
     Entry(
         "simulated-against-measured",
@@ -179,13 +177,13 @@ CATALOGUE = (
         "anisotropic-against-isotropic",
         "Figs. 11 and 12",
         "Simulated paths on anisotropic and on isotropic friction",
-        "dynamic_cycles",
+        "cycles",
     ),
     Entry(
         "dynamic-against-quasi-static",
         BEYOND,
         "What inertia changes at 20 mm/s, and how it vanishes with the speed",
-        "dynamic_cycles",
+        "cycles",
     ),
     Entry("fingerprint", BEYOND, "Five numbers against the full map", "fingerprint"),
     Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in", "saddle_node"),
@@ -205,9 +203,9 @@ CATALOGUE = (
         "staircase-bottleneck",
         BEYOND,
         "A staircase and the bottleneck that makes it",
-        "staircase_bottleneck",
+        "bottleneck",
     ),
-    Entry("wear-drift", BEYOND, "The cycle map as plywood wears", "wear_drift"),
+    Entry("wear-drift", BEYOND, "The cycle map as plywood wears", "bottleneck"),
     Entry("locking-in", BEYOND, "The loop of push and drag locks in", "locking_in"),
 )
 

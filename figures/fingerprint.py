@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, with_anisotropy
+from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
     PredictionCheck,
@@ -21,6 +21,7 @@ from cyclemap.collection.fingerprint_prediction import (
     lock_in_boundary,
 )
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy, with_anisotropy
 from cyclemap.views.fingerprint_page import draw_prediction
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.style import INK, LINE, LINES, MARKS, name_tag, picture_style

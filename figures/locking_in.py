@@ -15,13 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from PIL import Image
 
-from cyclemap.arrays import TWO_PI, Array
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import TWO_PI, Array, along_way, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.portrait_curves import Cobweb
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps import Orbit, fixed_points
-from cyclemap.mechanics import Polygon as PolygonOutline
 from cyclemap.views.panels.layout import page
 from cyclemap.views.panels.orientation import draw_cobweb
 from cyclemap.views.panels.scene import MM, draw_object, draw_ring, draw_rod, draw_way
@@ -57,8 +55,6 @@ COLOURS = 64
 _ALL_BUT_WHITE = 14.0
 # Frames from which the palette is taken.
 _SAMPLED = 8
-# A GIF counts hundredths of a second, and viewers do not show less than two of them.
-_TICK, _SHORTEST = 0.01, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,19 +62,14 @@ class Moment:
     """One picture's worth of motion.
 
     cycle : number of the cycle, from 0.
-    outline : (k, 2) m, the object.
-    side : (2, 2) m, ends of the side pushed.
-    ring, rod : (2,) m.
+    pose : (3,) m, m, rad, of the object.
     pushing : else dragged.
-    rod_path : (n, 2) m, of the rod since this stroke began.
+    rod_path : (n, 2) m, of the rod since this stroke began, to where it is.
     seconds : how long it is shown.
     """
 
     cycle: int
-    outline: Array
-    side: Array
-    ring: Array
-    rod: Array
+    pose: Array
     pushing: bool
     rod_path: Array
     seconds: float
@@ -88,18 +79,18 @@ class Moment:
 class LockingIn:
     """A run of the loop until it locks in.
 
+    loop : what was run.
     theta : (n + 1,) rad, unwrapped: θ0 of every cycle.
     directions : the stable and the unstable one.
     curve : (m, 2) rad, θ0 and next θ0 over the run's range.
     moments : what the pictures show.
-    rod_radius : m.
     """
 
+    loop: CollectionLoop
     theta: Array
     directions: tuple[Orbit, Orbit]
     curve: Array
     moments: list[Moment]
-    rod_radius: float
 
     @property
     def stable(self) -> float:
@@ -151,8 +142,7 @@ def compute(
     behind = float(edge.points[0]) + TWO_PI * math.floor((theta[0] - edge.points[0]) / TWO_PI)
     reach = np.linspace(min(theta.min(), behind) - 0.1, theta.max() + 0.25, 241)
     curve = np.stack([reach, circle_map(reach)], axis=1)
-    shown = moments(run, pace, slow)
-    return LockingIn(theta, (rest, edge), curve, shown, loop.pusher.radius)
+    return LockingIn(loop, theta, (rest, edge), curve, moments(run, pace, slow))
 
 
 def moments(
@@ -161,26 +151,16 @@ def moments(
     """Return the pictures of all cycles: of each stroke so many, at equal distances along it, the
     last at its end.
     """
-    loop, shown = run[0].loop, []
-    assert isinstance(loop.slider.outline, PolygonOutline)
-    outline, hitch = (
-        np.asarray(loop.slider.outline.vertices),
-        np.asarray(loop.slider.hitch, dtype=float),
-    )
-    side = outline[[loop.push.side, (loop.push.side + 1) % len(outline)]]
+    shown = []
     for index, cycle in enumerate(run):
         counts = next(((p, d) for until, p, d in pace if index < until), FAST)
         strokes = (cycle.trajectory.push, cycle.trajectory.drag)
         for motion, count in zip(strokes, slow if index == len(run) - 1 else counts, strict=True):
             way = motion.path / motion.path[-1]
             for share in np.linspace(0.0, 1.0, count + 1)[1:].tolist():
-                pose = np.array([np.interp(share, way, column) for column in motion.pose.T])
-                rod = np.array([np.interp(share, way, column) for column in motion.pusher.T])
-                path = np.concatenate([motion.pusher[way < share], [rod]])
-                body, pushed, ring = (placed(pose, points) for points in (outline, side, hitch))
-                shown.append(
-                    Moment(index, body, pushed, ring, rod, motion is strokes[0], path, SECONDS)
-                )
+                pose, rod = (along_way(share, way, rows) for rows in (motion.pose, motion.pusher))
+                path = np.vstack([motion.pusher[way < share], rod])
+                shown.append(Moment(index, pose, motion is strokes[0], path, SECONDS))
     shown[-1] = replace(shown[-1], seconds=LAST_SECONDS)
     return shown
 
@@ -240,35 +220,36 @@ def _drawn(result: LockingIn, moment: Moment) -> Figure:
 
 def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
     """The table from above; the world's origin is where the ring is set down."""
-    everything = MM * np.concatenate([moment.outline for moment in result.moments])
+    slider, push = result.loop.slider, result.loop.push
+    outline = slider.outline.points(4)
+    poses = np.array([each.pose for each in result.moments])
+    everything = MM * placed(poses.T[..., None], outline).reshape(-1, 2)
     low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
     show_window(axes, low, high)
     axes.set(aspect="equal", anchor="W", xticks=[], yticks=[], facecolor=TABLE_COLOUR)
     axes.spines[:].set_visible(False)
     cross(axes, zorder=1)
-    draw_object(axes, moment.outline)
-    draw_way(axes, moment.side, zorder=3, color=PREDICTED, linewidth=4.5, solid_capstyle="butt")
-    draw_ring(axes, moment.ring, edgecolor=PREDICTED, linewidth=1.6)
+    corners = placed(moment.pose, outline)
+    draw_object(axes, corners)
+    side = corners[push.side : push.side + 2]
+    draw_way(axes, side, zorder=3, color=PREDICTED, linewidth=4.5, solid_capstyle="butt")
+    ring = placed(moment.pose, np.array(slider.hitch))
+    draw_ring(axes, ring, edgecolor=PREDICTED, linewidth=1.6)
     dash = "-" if moment.pushing else ":"
     draw_way(axes, moment.rod_path, dash, color=INK, linewidth=1.2, zorder=4)
-    draw_rod(axes, moment.rod, result.rod_radius)
+    draw_rod(axes, moment.rod_path[-1], result.loop.pusher.radius)
     x, y = (low + 14.0).tolist()
     axes.plot([x, x + 50.0], [y, y], color=INK, linewidth=2.0)
     axes.text(x + 25.0, y + 4.0, "50 mm", ha="center", fontsize=7.5)
 
 
 def animated_gif(frames: Iterable[Frame]) -> bytes:
-    """Return the frames as a GIF that repeats for ever; InvalidInput without frames or where their
-    sizes differ.
+    """Return the frames, all of one size, as a GIF that repeats for ever.
 
-    Durations are rounded to 0.01 s, and are 0.02 s at least.
+    Durations are rounded to 0.01 s, and are 0.02 s at least: a GIF counts hundredths of a second,
+    and viewers do not show less than two of them.
     """
     given = list(frames)
-    if not given:
-        raise InvalidInput("an animation needs at least one frame")
-    shapes = {frame.pixels.shape for frame in given}
-    if len(shapes) > 1:
-        raise InvalidInput(f"frames have sizes {sorted(shapes)}: give frames of one size")
     pixels = [frame.pixels for frame in given]
     sample = np.concatenate(pixels[:: max(1, len(pixels) // _SAMPLED)])
     palette = Image.fromarray(sample).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
@@ -286,9 +267,7 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
         format="GIF",
         save_all=True,
         append_images=pictures[1:],
-        duration=[
-            round(1000 * max(_TICK * round(frame.seconds / _TICK), _SHORTEST)) for frame in given
-        ],
+        duration=[max(10 * round(100 * frame.seconds), 20) for frame in given],
         loop=0,
         optimize=False,
         disposal=1,

@@ -13,10 +13,10 @@ from numpy.polynomial.chebyshev import chebpts2, chebval, chebvander
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import non_negative_number, positive_number
-from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, ParametricLift
 from cyclemap.sweeps.direction_margins import smooth_change
@@ -99,7 +99,7 @@ def loop_family(
     grid = np.meshgrid(
         *(chebyshev_nodes(*ends, n) for ends, n in zip(ranges, nodes, strict=True)), indexing="ij"
     )
-    theta = 2.0 * np.pi * np.arange(angles) / angles
+    theta = TWO_PI * np.arange(angles) / angles
     loops = [
         loop_at(*place) for place in zip(*(axis.ravel().tolist() for axis in grid), strict=True)
     ]

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
-from cyclemap.arrays import Array
-from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprint
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.collection.fingerprint import TurnResponse, fingerprint
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.rotation import draw_shades
@@ -51,7 +52,7 @@ RADII, SCALES = (0.006, 0.034), (0.0, 1.5)
 # Turns a cycle, to which the shade is computed.
 TOLERANCE = 2e-4
 _ACCURACY = 1e-6
-_THETA = 2 * np.pi * np.arange(720) / 720
+_THETA = TWO_PI * np.arange(720) / 720
 LEVELS = (-5.0, 10.0, 20.0, 30.0)
 ROWS = (0.0, 0.25, 0.5, 1.0)
 

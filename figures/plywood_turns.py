@@ -12,9 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.checks import read_only, whole_number
-from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.laws.turn_bins import MeasuredOverlay, TurnBins, measured_overlay, turn_bins
@@ -27,7 +26,7 @@ from cyclemap.mechanics import (
     grid_footprint,
     resting_pressure,
 )
-from cyclemap.views.panels.layout import entitle, legend_above, new_figure, page, panels_in
+from cyclemap.views.panels.layout import entitle, legend_above, page
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
@@ -136,7 +135,7 @@ def simulated_against_measured(
 
 def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> SimulatedTurns:
     """Return pushes and cycles of `loop` from `nodes` equally spaced orientations."""
-    theta = np.linspace(0.0, 2.0 * np.pi, whole_number("nodes", nodes, least=4), endpoint=False)
+    theta = np.linspace(0.0, TWO_PI, whole_number("nodes", nodes, least=4), endpoint=False)
     runs = loop.cycles(theta)
     push, cycle = (
         CircleMap.from_samples(theta, end) for end in (theta + runs.push_turn, runs.theta_next)
@@ -160,7 +159,7 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes
-        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), "recorded pushes")
+        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), label="recorded pushes")
     degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
     entitle(push, "Push")
@@ -250,7 +249,7 @@ class FloorShapes:
 
 def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
     """Run cycles from `angles` orientations on each floor, and look for measured ones."""
-    theta = 2.0 * np.pi * np.arange(angles) / angles
+    theta = TWO_PI * np.arange(angles) / angles
     plywood = CollectionLoop.mit(SURFACE, accuracy=_ACCURACY)
     law = EllipseFriction.isotropic(
         math.sqrt(plywood.material.friction.mu_a * plywood.material.friction.mu_b)
@@ -275,7 +274,7 @@ def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
         turn = loop.next_theta(theta) - theta
         miss = math.nan
         if bins is not None:
-            predicted = np.interp(bins.centre, theta, turn, period=2.0 * np.pi)
+            predicted = np.interp(bins.centre, theta, turn, period=TWO_PI)
             miss = float(np.sqrt(np.mean((bins.median - predicted) ** 2)))
         floors.append(FloorTurn(name, turn, miss))
     outline = even.slider.outline_points(200)
@@ -300,9 +299,8 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
 @picture_style()
 def draw_floors(result: FloorShapes) -> Figure:
     """Turns over θ0, their harmonics, and the plate at three orientations."""
-    figure = new_figure(10.5, 7.2)
-    turns, harmonics = panels_in(figure, "ab", (0.46, 0.985), keys=2, width_ratios=(2.2, 1.0))
-    around = np.append(result.theta, 2.0 * np.pi)
+    figure, (turns, harmonics, *places) = page("aab;cde", size=(10.5, 7.2), keys=2)
+    around = np.append(result.theta, TWO_PI)
     looks = [FOURTH, SECOND, LINE, THIRD]
     curves = {floor.name: np.append(floor.turn, floor.turn[0]) for floor in result.floors}
     draw_turns(turns, around, curves, looks)
@@ -310,7 +308,6 @@ def draw_floors(result: FloorShapes) -> Figure:
         draw_medians(turns, result.measured, "measured")
     legend_above(turns)
     _draw_harmonics(harmonics, result)
-    places = panels_in(figure, "abc", (0.0, 0.5))
     for axes, pressure, theta in zip(places, result.resting, RESTING, strict=True):
         image = _draw_resting(axes, result, pressure, theta)
     figure.colorbar(image, ax=places, label="pressure (mean pressures)")

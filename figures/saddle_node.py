@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
-from cyclemap.views.panels.layout import entitle, new_figure, panels_in
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.orbits import LOST, STABLE
 from cyclemap.views.panels.orientation import draw_turns
 from cyclemap.views.panels.scene import MM
@@ -39,7 +39,7 @@ RADII = (0.008, 0.0155)
 _FOLD = "saddle-node"
 SHOWN = (0.013, 0.0085)
 NEAREST, FARTHEST = 1e-5, 1.7e-3
-_GRID = np.linspace(0.0, 2 * np.pi, 361)
+_GRID = np.linspace(0.0, TWO_PI, 361)
 # Radians, of the cycles that are interpolated.
 _ACCURACY = 1e-6
 
@@ -134,7 +134,7 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
     part cycles count.
     """
     theta, cycles = slow - np.pi, 0
-    end = theta + 2 * np.pi
+    end = theta + TWO_PI
     while True:
         following = loop.cycle(theta).theta_next
         if following >= end:
@@ -146,8 +146,8 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
 def draw(result: SaddleNode) -> Figure:
     """The pair over the radius, its multiplier, the passage beyond,
     and three graphs of the turn."""
-    figure = new_figure(10.0, 8.2)
-    pair, multiplier, passage = panels_in(figure, "ab;ac", (0.33, 1.0), width_ratios=(1.35, 1.0))
+    figure, panels = page("aab;aac;def", size=(11.0, 8.2))
+    pair, multiplier, passage, *lower = panels
     branch, fold = result.branch, result.fold
     _draw_sides(pair, branch, np.degrees(branch.points[:, 0]))
     pair.axvspan(MM * RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
@@ -167,8 +167,8 @@ def draw(result: SaddleNode) -> Figure:
     entitle(multiplier, "Multipliers meet at 1")
     _draw_passage(passage, result)
     graphs = zip(result.graphs, ("two zeros", "a touch", "none"), strict=True)
-    lower = panels_in(figure, "abc", (0.0, 0.36), sharey=True)
     for axes, ((radius, theta, turn), zeros) in zip(lower, graphs, strict=True):
+        axes.sharey(lower[0])
         draw_turns(axes, theta, {"turn": turn})
         degree_axis(axes, "θ0 (°)", 90)
         axes.set_ylabel("turn of a cycle (°)")

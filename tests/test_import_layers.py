@@ -200,7 +200,7 @@ ROWS = {
     ),
     "evidence": (
         ("tables", "pushes", "laws", "comparison"),
-        ("tables", "pushes", "laws", "identification", "data_blocks", "push_plan"),
+        ("tables", "pushes", "laws", "identification"),
     ),
 }
 PARTS_SHARED: dict[str, set[str]] = {

@@ -22,13 +22,11 @@ from cyclemap.written import (
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
-    from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
-    from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
+    from cyclemap.evidence import MeasuredStaircase
     from cyclemap.maps import Orbit, StepComparison, Steps
     from cyclemap.mechanics import SidePush
     from cyclemap.resets import ResetStrategy
-    from cyclemap.sweeps.direction_margins import DirectionChange, DirectionMargin
 
 # What a push changes, what is known of it, and what these are written in.
 UNITS = {"dtheta": DEGREES, "dx": MILLIMETRES, "dy": MILLIMETRES}
@@ -43,77 +41,6 @@ FACT_UNITS = {
     "fraction": NUMBER,
     "angle": DEGREES,
 }
-_STAIRCASE = ("mean_turn", "mean_residence_cycles", "step")
-
-
-def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
-    """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
-    rotation = portrait.rotation
-    operator = portrait.operator
-    locked = rotation.locked
-    stationary: Json = {
-        "noise_deg": degrees(portrait.noise.sigma),
-        "peaks_deg": sorted(map(direction_deg, portrait.highest_peaks)),
-        "spectral_gap": written(operator.spectral_gap),
-        "mixing_cycles": written(operator.mixing_cycles),
-        "tv_from_uniform": written(portrait.tv_from_uniform),
-    }
-    if portrait.held:
-        stationary["held"] = [json_of(held, "peak", "share", "leaving") for held in portrait.held]
-    report: Json = {
-        "map": {
-            "degree": portrait.map.degree,
-            "samples": portrait.map.samples,
-            "max_error_deg": degrees(portrait.map.max_error),
-            **json_of(portrait.turns),
-        },
-        "fixed_points": [*map(orbit_report, portrait.fixed_points)],
-        "rotation_number": {
-            **json_of(rotation, "value", "lower", "upper"),
-            "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
-        },
-        "stationary": stationary,
-        "staircase": json_of(portrait.prediction, *_STAIRCASE),
-        **_prospects(portrait),
-    }
-    if measured is not None:
-        report["data"] = {
-            "pairs": measured.agreement.pairs,
-            "dropped": dict(measured.pairs.dropped),
-            **json_of(measured.agreement, "bins", "rms", "bin_rms"),
-        }
-    return report
-
-
-def staircase_report(
-    forecast: StaircaseForecast, measured: MeasuredStaircase | None = None
-) -> Json:
-    """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
-    zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
-    report: Json = {
-        "noise_deg": degrees(forecast.noise.sigma),
-        "prediction": {
-            **json_of(forecast.prediction, *_STAIRCASE),
-            "zones": [
-                {**json_of(zone), "log10_residence_cycles": written(log10)} for zone, log10 in zones
-            ],
-        },
-        "run": {"seed": forecast.staircase.seed, **steps_report(forecast.steps)},
-        **_prospects(forecast),
-    }
-    return report if measured is None else {**report, "data": measured_report(measured)}
-
-
-def _prospects(result: Portrait | StaircaseForecast) -> Json:
-    """How sure a prediction is, what the next pushes bring, and the worn surface, where known."""
-    report: Json = {}
-    if result.uncertainty is not None:
-        report["uncertainty"] = uncertainty_report(result.uncertainty)
-    if result.forecast is not None:
-        report["forecast"] = json_of(result.forecast)
-    if result.worn is not None:
-        report["worn"] = json_of(result.worn)
-    return report
 
 
 def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
@@ -164,29 +91,6 @@ def uncertainty_report(known: DirectionUncertainty) -> Json:
         **json_of(known, "source", "method", "first_order_error", "samples", "locks"),
         "chance_of_lock_in": known.chance if known.is_posterior else None,
         **json_of(known, "directions"),
-    }
-
-
-def margin_report(margin: DirectionMargin) -> Json:
-    """How far a setting is from a change of the stable directions, in the unit of its key."""
-    from cyclemap.protocol.setting_table import SETTINGS
-
-    factor = float(SETTINGS[margin.key].unit.in_si)
-    unit = Unit("", lambda value: value / factor)
-    return {
-        **json_of(margin, "key", "value", "directions", unit=unit),
-        "below": None if margin.below is None else _change(margin.below, unit),
-        "above": None if margin.above is None else _change(margin.above, unit),
-        "searched": written((margin.low, margin.high), unit),
-        "share": written(margin.share),
-    }
-
-
-def _change(change: DirectionChange, unit: Unit) -> Json:
-    return {
-        **json_of(change, "value", unit=unit),
-        "error": written(change.value.error_bound, unit),
-        **json_of(change, "kind", "theta", "directions"),
     }
 
 

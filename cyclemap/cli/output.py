@@ -18,7 +18,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import json_text, margin_report
+from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.progress import Progress
@@ -101,8 +101,8 @@ def publish(
     """Write stem.json and the picture beside it, and send the report where --json says; unless it
     took the terminal, tell people the rest, where the picture is, and what comes after that.
     """
-    picture = write_result(report, figure, stem, results.picture_format)
-    if not publish_json(report, results.json_target):
+    picture = write_result(report, figure, stem, results.format)
+    if not publish_json(report, results.json):
         PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
 
@@ -249,19 +249,3 @@ class PeopleConsole(Console):
         self.width = max(before, needed)
         self.print(table)
         self.width = before
-
-
-def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
-    """How far every setting of a loop is from a change of its stable directions: as JSON, and what
-    people are told of it.
-    """
-    from cyclemap.sweeps.direction_margins import direction_margins
-    from cyclemap.views import sentences
-
-    with progress_bar("margins of the settings") as report:
-        margins = direction_margins(loop, progress=report)
-    words: list[Told] = [sentences.margin_sentence(margins)]
-    if rows := sentences.margin_rows(margins):
-        title = "Where stable directions come and go"
-        words.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
-    return [*map(margin_report, margins)], words

@@ -1,14 +1,15 @@
 """Cycles: `cyclemap cycle` as a table, `cyclemap dynamics` with inertia beside quasi-static ones,
-and `cyclemap experiment` batches of them as the paper ran; as JSON and as pictures.
+`cyclemap experiment` batches of them as the paper ran, as JSON and as pictures; and `cyclemap
+simulate` a collection of them as files.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
+from cyclemap.cli.commands import CycleOptions, DynamicsOptions, ExperimentOptions, SimulateOptions
 from cyclemap.cli.json_report import actions_report
-from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     PeopleConsole,
     people_table,
@@ -19,20 +20,20 @@ from cyclemap.cli.output import (
     write_json,
 )
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
+from cyclemap.collection.cycles import Cycles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     compare_dynamics,
-    isotropic_twin,
 )
-from cyclemap.collection.loop import CollectionLoop, Cycles
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.recorded_push import RecordingNoise
+from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
+from cyclemap.maps import LocalNoise
+from cyclemap.mechanics import load_material
 from cyclemap.plain_text import plain_number
-from cyclemap.protocol.chosen_loop import (
-    ChosenCollection,
-    LoopOptions,
-    chosen_collection,
-    chosen_loop,
-)
+from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.views import experiment_page as page
 from cyclemap.views.experiment_page import difference_sentence, dynamics_page
 from cyclemap.written import MILLIMETRES, Json, degrees, direction_deg, json_of, rows, written
@@ -60,12 +61,10 @@ DYNAMIC_COLUMNS = (
 LARGEST_DEG = 1e12
 
 
-def run_cycle(
-    options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None
-) -> None:
-    """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
-    starts = parse_angles(theta0_deg)
-    chosen = chosen_collection(options)
+def run_cycle(asked: CycleOptions) -> None:
+    """Run the cycles that start at the angles listed, and print or write them."""
+    starts = parse_angles(asked.theta0_deg)
+    chosen = asked.loop.chosen_collection()
     all_rows = list[Json]()
     tables = []
     for title, loop, turn, more in _acted(chosen):
@@ -80,10 +79,10 @@ def run_cycle(
         tables.append(people_table(title, COLUMNS, cells))
         all_rows += [{**row, **more} for row in of_loop]
     report: Json = {"cycles": all_rows}
-    if out is not None:
-        stem = result_stem(out, "cycles", chosen.loop)
+    if asked.out is not None:
+        stem = result_stem(asked.out, "cycles", chosen.loop)
         write_json(stem.with_name(f"{stem.name}.json"), report)
-    if not publish_json(report, json_target):
+    if not publish_json(report, asked.json):
         for table in tables:
             PeopleConsole().print_table(table)
 
@@ -142,19 +141,14 @@ def parse_angles(text: str) -> list[float]:
     return angles
 
 
-def run_dynamics(
-    options: LoopOptions,
-    theta0_deg: str,
-    speed_mm_s: float,
-    results: ResultOptions,
-) -> None:
+def run_dynamics(asked: DynamicsOptions) -> None:
     """Run the cycles of both models under both laws, draw them, and print them for people or as
     JSON.
     """
-    starts_deg = parse_angles(theta0_deg)
+    starts_deg = parse_angles(asked.theta0_deg)
     theta = [math.radians(start) for start in starts_deg]
-    chosen = chosen_loop(options).loop
-    loop = DynamicLoop(chosen, speed=1e-3 * speed_mm_s)
+    chosen = asked.loop.chosen_loop().loop
+    loop = DynamicLoop(chosen, speed=1e-3 * asked.speed_mm_s)
     with progress_bar(f"dynamic cycles on {chosen.material.name}") as report:
         material = compare_dynamics(loop, theta)
         report(0.5)
@@ -184,8 +178,8 @@ def run_dynamics(
     publish(
         as_json,
         dynamics_page(material, isotropic),
-        result_stem(results.out, "dynamics", chosen),
-        results,
+        result_stem(asked.results.out, "dynamics", chosen),
+        asked.results,
         *words,
         table,
     )
@@ -205,21 +199,14 @@ def _cells(row: Json) -> list[str]:
     return [f"{start:.1f}", *("–" if length is None else f"{length:.3f}" for length in lengths)]
 
 
-def run_experiment(
-    options: LoopOptions,
-    batches: int,
-    cycles: int,
-    speed_mm_s: float,
-    quasi_static: bool,
-    results: ResultOptions,
-) -> None:
+def run_experiment(asked: ExperimentOptions) -> None:
     """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more
     than cycles.
     """
-    loop = chosen_loop(options).loop
-    run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
+    loop = asked.loop.chosen_loop().loop
+    run = loop if asked.quasi_static else DynamicLoop(loop, speed=1e-3 * asked.speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
-        experiment = batch_experiment(run, batches, cycles, report)
+        experiment = batch_experiment(run, asked.batches, asked.cycles, report)
     as_json: Json = {
         "model": "quasi-static" if experiment.speed is None else "dynamic",
         "speed_mm_s": written(experiment.speed, MILLIMETRES),
@@ -231,8 +218,8 @@ def run_experiment(
     publish(
         as_json,
         page.experiment_page(experiment),
-        result_stem(results.out, "experiment", loop),
-        results,
+        result_stem(asked.results.out, "experiment", loop),
+        asked.results,
         page.experiment_headline(experiment),
         page.spread_sentence(experiment),
         page.isotropic_sentence(experiment),
@@ -255,3 +242,67 @@ def _batches(run: BatchRun) -> Json:
             theta0_deg=degrees(run.theta),
         ),
     }
+
+
+# Far below any noise of a cycle, and twice as fast as the default.
+ACCURACY = 1e-6
+
+
+def run_simulate(asked: SimulateOptions) -> None:
+    """Write the collection that is asked for, or the rest of it, and tell where it is."""
+    chosen = asked.loop.chosen_collection().simplified()
+    loop = replace(chosen.loop, accuracy=ACCURACY)
+    strategy = chosen.strategy
+    cycle_by_cycle = dict[str, Any]()
+    if strategy is not None:
+        # What it changes from cycle to cycle is the same that its schedule of this seed says.
+        loop = strategy.prepared(loop)
+        actions = strategy.run(asked.cycles, asked.seed)
+        cycle_by_cycle["cycle_loops"] = tuple(action.on(loop) for action in actions)
+        cycle_by_cycle["gripper_turns"] = tuple(action.turn for action in actions)
+    own = loop.material.noise if asked.noise_deg is None and chosen.sigma is None else None
+    with progress_bar(f"collection on {loop.material.name}") as report:
+        made = simulate_collection(
+            loop,
+            asked.out,
+            asked.cycles,
+            start=math.radians(asked.start_deg),
+            noise=_noise(asked, chosen.noise),
+            cycle_noise=None if own is None else LocalNoise(own.log_sigma, own.correlation),
+            speed=1e-3 * asked.speed_mm_s,
+            wear_to=None if asked.wear_to is None else load_material(asked.wear_to),
+            seed=asked.seed,
+            scans=asked.scans,
+            suffix=f".{asked.format}",
+            progress=report,
+            **cycle_by_cycle,
+        )
+    as_json = {
+        **json_of(made, "folder", "cycles", "written", "resumed"),
+        "theta0_deg_last": math.degrees(made.theta_last),
+        "bytes": made.bytes,
+    }
+    if not publish_json(as_json, asked.json):
+        PeopleConsole().tell(*_sentences(made))
+
+
+def _noise(asked: SimulateOptions, turn: float) -> RecordingNoise:
+    """The noise that is asked for; turn : rad, of a cycle where none is."""
+    return RecordingNoise(
+        turn=turn if asked.noise_deg is None else math.radians(asked.noise_deg),
+        position=1e-3 * asked.pose_noise_mm,
+        angle=math.radians(asked.pose_noise_deg),
+        force=asked.force_noise_n,
+    )
+
+
+def _sentences(made: SimulatedCollection) -> tuple[str, ...]:
+    scans = f" and {made.scans} friction scans" if made.scans else ""
+    added = f"{made.resumed} of the pushes were there already, {made.written} were added."
+    last = f"{math.degrees(made.theta_last):.2f}°, counted without wrapping"
+    return (
+        f"{made.cycles} pushes{scans} in {made.folder}, {made.bytes / 1e6:.1f} MB",
+        added if made.resumed else "",
+        f"The last push starts at θ0 = {last}.",
+        f"next: cyclemap fit {made.folder}",
+    )

@@ -11,6 +11,7 @@ import click
 import numpy as np
 from rich.table import Table
 
+from cyclemap.cli.commands import DoctorOptions
 from cyclemap.cli.output import PeopleConsole, publish_json
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import EngineNotBuilt, InvalidInput
@@ -31,10 +32,10 @@ REFERENCE_DEG = (
 REFERENCE_ERROR_DEG = 1e-4
 
 
-def run_doctor(json_target: str | None) -> None:
+def run_doctor(asked: DoctorOptions) -> None:
     """Look at all of it, and tell people or write JSON; exit code 1 where something is wrong."""
     report = health_report()
-    if not publish_json(report, json_target):
+    if not publish_json(report, asked.json):
         _tell(report)
     if not report["healthy"]:
         raise click.exceptions.Exit(1)

@@ -5,6 +5,7 @@ import io
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cyclemap.cli.commands import FiguresOptions
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -46,7 +47,7 @@ class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
 
 def list_figures(results: ResultOptions) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
-    if publish_json({"figures": written(entries())}, results.json_target):
+    if publish_json({"figures": written(entries())}, results.json):
         return
     console = PeopleConsole()
     widest = max(len(entry.name) for entry in entries())
@@ -55,22 +56,19 @@ def list_figures(results: ResultOptions) -> None:
     console.print("make them with: cyclemap figures NAME ... (or all)")
 
 
-def run_figures(
-    names: tuple[str, ...],
-    data: Path | None,
-    results: ResultOptions,
-) -> None:
+def run_figures(asked: FiguresOptions) -> None:
     """Make every exhibit named, or list them where none is; what fails is told and loses none of
     the others.
 
     Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read,
     before any work; CycleMapError at the end where something failed.
     """
-    if not names:
+    results = asked.results
+    if not asked.names:
         list_figures(results)
         return
-    chosen = entries(names)
-    folder = MeasuredFolder.found(data)
+    chosen = entries(asked.names)
+    folder = MeasuredFolder.found(asked.data)
     known = [entry.name for entry in entries()]
     with only_writer(results.out):
         index = _read_index(results.out / INDEX_FILE)
@@ -79,7 +77,7 @@ def run_figures(
         for place, entry in enumerate(chosen, 1):
             try:
                 with progress_bar(f"{entry.name} ({place} of {len(chosen)})"):
-                    line, asked, table = _make(entry, folder, results)
+                    line, wants_data, table = _make(entry, folder, results)
             except CycleMapError as error:
                 failed.append({"name": entry.name, "error": str(error)})
                 continue
@@ -90,17 +88,17 @@ def run_figures(
                 index, key=lambda name: known.index(name) if name in known else len(known)
             )
             write_json(results.out / INDEX_FILE, {"figures": [index[name] for name in kept]})
-            if results.json_target != "-":
+            if results.json != "-":
                 # One exhibit for people: title, rows of a table, caption, file, and whether
                 # measured data were there.
                 PeopleConsole().tell(
                     f"{line['name']}: {line['title']} ({line['source']})",
                     table,
                     str(line["caption"]),
-                    f"measured data: {line['measured'] or NO_DATA}" if asked else "",
+                    f"measured data: {line['measured'] or NO_DATA}" if wants_data else "",
                     f"file: {results.out / str(line['file'])}\n",
                 )
-        publish_json({"figures": made, "failed": failed}, results.json_target)
+        publish_json({"figures": made, "failed": failed}, results.json)
         if failed:
             reasons = "; ".join(f"{failure['name']}: {failure['error']}" for failure in failed)
             raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {reasons}")
@@ -117,7 +115,7 @@ def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple
     if exhibit.draw is not None:
         from cyclemap.views.panels.layout import render
 
-        suffix = results.picture_format
+        suffix = results.format
         content = render(exhibit.draw(result), suffix)
     elif exhibit.frames is not None:
         from cyclemap.figures.locking_in import animated_gif

@@ -3,11 +3,12 @@ likely wrong with such a file.
 """
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from cyclemap.cli.commands import CheckOptions, InitOptions
 from cyclemap.cli.output import PeopleConsole, publish_json
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
@@ -34,25 +35,6 @@ COMMENTS = (
     "mu_a and mu_b along its axes, the first at phi_deg from the robot's x, its centre off by "
     "m0, n0.",
 )
-
-
-@dataclass(frozen=True)
-class InitOptions:
-    """What `cyclemap init` was asked, as it was typed."""
-
-    file: Path
-    rectangle_mm: str | None
-    ellipse_mm: str | None
-    shape: str | None
-    outline: Path | None
-    unit: str | None
-    tolerance_mm: float
-    underside: bool
-    name: str | None
-    surface: str
-    settings: tuple[str, ...]
-    force: bool
-    json_target: str | None
 
 
 def run_init(asked: InitOptions) -> None:
@@ -87,7 +69,7 @@ def run_init(asked: InitOptions) -> None:
         loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes
     )
     write_whole(file, text.encode())
-    tell_check(file, file.with_suffix(".png"), asked.json_target, [*said, f"written: {file}"])
+    tell_check(file, file.with_suffix(".png"), asked.json, [*said, f"written: {file}"])
 
 
 def _outlines(asked: InitOptions) -> list[str]:
@@ -153,9 +135,9 @@ def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
     return Ellipse(x, y), []
 
 
-def run_check(file: Path, out: Path, json_target: str | None) -> None:
-    """Check the file, and draw it under `out`."""
-    tell_check(file, out / f"check_{file.stem}.png", json_target, [])
+def run_check(asked: CheckOptions) -> None:
+    """Check the file, and draw it where results go."""
+    tell_check(asked.file, asked.out / f"check_{asked.file.stem}.png", asked.json, [])
 
 
 def tell_check(file: Path, picture: Path, json_target: str | None, said: list[str]) -> None:

@@ -9,53 +9,62 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from cyclemap.cli.commands import FingerprintOptions, PortraitOptions, StaircaseOptions
 from cyclemap.cli.json_report import (
+    measured_report,
     orbit_report,
-    portrait_report,
-    staircase_report,
+    steps_report,
     uncertainty_report,
 )
-from cyclemap.cli.options import ResultOptions, RunOptions
+from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
-    margins_of,
     people_table,
     progress_bar,
     publish,
     result_stem,
     styled,
 )
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
+from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
     Prediction,
     PredictionCheck,
     check_prediction,
     predict,
 )
-from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow
+from cyclemap.collection.portrait import (
+    Portrait,
+    StaircaseForecast,
+    portrait,
+    staircase_forecast,
+)
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, chosen_loop
+from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.views import fingerprint_page, portrait_page, sentences
-from cyclemap.written import DEGREES, Json, degrees, direction_deg, json_of, written
+from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, json_of, written
 
 if TYPE_CHECKING:
-    from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
+    from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase, Theta0Pairs
+    from cyclemap.sweeps.direction_margins import DirectionChange, DirectionMargin
 
+_STAIRCASE = ("mean_turn", "mean_residence_cycles", "step")
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
 
-def run_portrait(asked: RunOptions, margin: bool) -> None:
+def run_portrait(asked: PortraitOptions) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs = asked.pairs()
-    chosen = chosen_collection(asked.options, asked.data).simplified()
+    pairs = _pairs(asked)
+    chosen = asked.loop.chosen_collection(asked.data).simplified()
     loop = chosen.loop
     if chosen.strategy is not None:
         from cyclemap.cli.run_reset import run_strategy_portrait
 
-        if margin:
+        if asked.margin:
             raise InvalidInput(
                 "--margin tells how far one loop's settings are from a change, and a strategy "
                 "has many"
@@ -68,7 +77,7 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     measured = None if pairs is None else _overlay(pairs, drawn)
     report = portrait_report(drawn, measured)
     margins = list[Told]()
-    if margin:
+    if asked.margin:
         report["margins"], margins = margins_of(loop)
     publish(
         report,
@@ -77,6 +86,57 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
         asked.results,
         *_lines(drawn, measured, margins),
     )
+
+
+def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
+    """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
+    rotation = portrait.rotation
+    operator = portrait.operator
+    locked = rotation.locked
+    stationary: Json = {
+        "noise_deg": degrees(portrait.noise.sigma),
+        "peaks_deg": sorted(map(direction_deg, portrait.highest_peaks)),
+        "spectral_gap": written(operator.spectral_gap),
+        "mixing_cycles": written(operator.mixing_cycles),
+        "tv_from_uniform": written(portrait.tv_from_uniform),
+    }
+    if portrait.held:
+        stationary["held"] = [json_of(held, "peak", "share", "leaving") for held in portrait.held]
+    report: Json = {
+        "map": {
+            "degree": portrait.map.degree,
+            "samples": portrait.map.samples,
+            "max_error_deg": degrees(portrait.map.max_error),
+            **json_of(portrait.turns),
+        },
+        "fixed_points": [*map(orbit_report, portrait.fixed_points)],
+        "rotation_number": {
+            **json_of(rotation, "value", "lower", "upper"),
+            "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
+        },
+        "stationary": stationary,
+        "staircase": json_of(portrait.prediction, *_STAIRCASE),
+        **_prospects(portrait),
+    }
+    if measured is not None:
+        report["data"] = {
+            "pairs": measured.agreement.pairs,
+            "dropped": dict(measured.pairs.dropped),
+            **json_of(measured.agreement, "bins", "rms", "bin_rms"),
+        }
+    return report
+
+
+def _prospects(result: Portrait | StaircaseForecast) -> Json:
+    """How sure a prediction is, what the next pushes bring, and the worn surface, where known."""
+    report: Json = {}
+    if result.uncertainty is not None:
+        report["uncertainty"] = uncertainty_report(result.uncertainty)
+    if result.forecast is not None:
+        report["forecast"] = json_of(result.forecast)
+    if result.worn is not None:
+        report["worn"] = json_of(result.worn)
+    return report
 
 
 def _lines(
@@ -121,14 +181,24 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
     return replace(overlay, agreement=cycle_agreement(model, drawn.loop, pairs).agreement)
 
 
-def run_staircase(asked: RunOptions) -> None:
+def _pairs(asked: RunOptions) -> Theta0Pairs | None:
+    """The measured pairs of θ0, if any."""
+    if asked.data is None:
+        return None
+    from cyclemap.cli.collected.readable_data import readable_data
+    from cyclemap.evidence.comparison.collection_data import measured_pairs
+
+    return measured_pairs(readable_data(asked.data, asked.table, asked.results.out))
+
+
+def run_staircase(asked: StaircaseOptions) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people
     or as JSON.
     """
     from cyclemap.evidence import measured_staircase
 
-    pairs = asked.pairs()
-    chosen = chosen_collection(asked.options, asked.data).simplified()
+    pairs = _pairs(asked)
+    chosen = asked.loop.chosen_collection(asked.data).simplified()
     loop = chosen.loop
     measured = None if pairs is None else measured_staircase(pairs, asked.seed)
     if chosen.strategy is not None:
@@ -154,21 +224,35 @@ def run_staircase(asked: RunOptions) -> None:
     )
 
 
-def run_fingerprint(
-    options: LoopOptions,
-    check: bool,
-    margin: bool,
-    results: ResultOptions,
-) -> None:
+def staircase_report(
+    forecast: StaircaseForecast, measured: MeasuredStaircase | None = None
+) -> Json:
+    """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
+    zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
+    report: Json = {
+        "noise_deg": degrees(forecast.noise.sigma),
+        "prediction": {
+            **json_of(forecast.prediction, *_STAIRCASE),
+            "zones": [
+                {**json_of(zone), "log10_residence_cycles": written(log10)} for zone, log10 in zones
+            ],
+        },
+        "run": {"seed": forecast.staircase.seed, **steps_report(forecast.steps)},
+        **_prospects(forecast),
+    }
+    return report if measured is None else {**report, "data": measured_report(measured)}
+
+
+def run_fingerprint(asked: FingerprintOptions) -> None:
     """Compute the fingerprint and the prediction, draw both, and print them for people or as
     JSON.
     """
-    loop = chosen_loop(options).loop
+    loop = asked.loop.chosen_loop().loop
     surface = Anisotropy.of(loop.material.friction)
     bow = floor_bow(loop)
-    is_named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
-    if check and not predicts:
+    if asked.check and not predicts:
         if bow:
             raise InvalidInput(
                 f"--check compares a prediction for a floor without a bow, but this one has "
@@ -179,10 +263,10 @@ def run_fingerprint(
         )
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
-        numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
+        numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if asked.check else report)
         prediction = predict(numbers, surface) if predicts else None
         checked = None
-        if check and prediction is not None:
+        if asked.check and prediction is not None:
             checked = check_prediction(
                 prediction, loop, progress=lambda done: report(0.2 + 0.8 * done)
             )
@@ -202,7 +286,7 @@ def run_fingerprint(
             fingerprint_page.lock_in_sentence(prediction),
             fingerprint_page.trust_sentence(prediction),
         ]
-    if margin:
+    if asked.margin:
         as_json["margins"], margins = margins_of(loop)
         lines += margins
     if bow:
@@ -213,8 +297,8 @@ def run_fingerprint(
     publish(
         as_json,
         fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
-        result_stem(results.out, "fingerprint", loop, name),
-        results,
+        result_stem(asked.results.out, "fingerprint", loop, name),
+        asked.results,
         *lines,
     )
 
@@ -283,3 +367,39 @@ def _prediction(prediction: Prediction, name: str) -> Json:
 
 def _direction(orbit: Orbit | None) -> float | None:
     return None if orbit is None else direction_deg(float(orbit.points[0]))
+
+
+def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
+    """How far every setting of a loop is from a change of its stable directions: as JSON, and what
+    people are told of it.
+    """
+    from cyclemap.sweeps.direction_margins import direction_margins
+
+    with progress_bar("margins of the settings") as report:
+        margins = direction_margins(loop, progress=report)
+    words: list[Told] = [sentences.margin_sentence(margins)]
+    if rows := sentences.margin_rows(margins):
+        title = "Where stable directions come and go"
+        words.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
+    return [*map(margin_report, margins)], words
+
+
+def margin_report(margin: DirectionMargin) -> Json:
+    """How far a setting is from a change of the stable directions, in the unit of its key."""
+    factor = float(SETTINGS[margin.key].unit.in_si)
+    unit = Unit("", lambda value: value / factor)
+    return {
+        **json_of(margin, "key", "value", "directions", unit=unit),
+        "below": None if margin.below is None else _change(margin.below, unit),
+        "above": None if margin.above is None else _change(margin.above, unit),
+        "searched": written((margin.low, margin.high), unit),
+        "share": written(margin.share),
+    }
+
+
+def _change(change: DirectionChange, unit: Unit) -> Json:
+    return {
+        **json_of(change, "value", unit=unit),
+        "error": written(change.value.error_bound, unit),
+        **json_of(change, "kind", "theta", "directions"),
+    }

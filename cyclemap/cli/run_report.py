@@ -7,20 +7,18 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
-from cyclemap.cli.options import (
-    TableOptions,
-    measured_orientations,
-    readable_data,
-    said_command,
-)
+from cyclemap.cli.collected.readable_data import readable_data
+from cyclemap.cli.commands import ExploreOptions, ReportOptions
+from cyclemap.cli.options import said_command
 from cyclemap.cli.output import progress_bar, result_stem, write_page
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
+from cyclemap.evidence.comparison.collection_data import collection_data, measured_pairs
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
 from cyclemap.progress import Progress
-from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_loop
+from cyclemap.protocol.chosen_loop import ChosenCollection, chosen_loop
 from cyclemap.views import sentences
-from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
+from cyclemap.views.explorer_page import Download, Section, page_html, provenance_of
 from cyclemap.views.panels.layout import render
 
 METHODS = (
@@ -41,15 +39,10 @@ BIBTEX = """@article{ma2018friction,
 }"""
 
 
-def run_report(
-    options: LoopOptions, data: Path | None, table: TableOptions, reset: bool, out: Path
-) -> None:
+def run_report(asked: ReportOptions) -> None:
     """Compute all of it and write the page."""
-    from cyclemap.evidence.comparison.collection_data import collection_data
-
-    chosen = chosen_loop(options, data)
-    given = data
-    data = None if data is None else readable_data(data, table, out)
+    chosen = asked.loop.chosen_loop(asked.data)
+    data = None if asked.data is None else readable_data(asked.data, asked.table, asked.out)
     pairs = None if data is None else collection_data(data, chosen.loop).pairs
     path = None if pairs is None else pairs.path
     start, cycles = (0.0, DEFAULT_CYCLES) if path is None else (float(path[0]), len(path) - 1)
@@ -65,26 +58,26 @@ def run_report(
         )
         if data is not None:
             sections += _beside_data(drawn, data, chosen, lambda x: progress(0.6 + 0.3 * x))
-        if reset:
+        if asked.reset:
             advice, downloads = _what_to_do(drawn, chosen, lambda x: progress(0.9 + 0.1 * x))
             sections.append(advice)
     sections.append(_how_sure(drawn))
     sections = [
         replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
     ]
-    inputs = [path for path in (given, options.protocol) if path is not None and path.is_file()]
+    inputs = [path for path in (asked.data, asked.loop.protocol) if path and path.is_file()]
     command = shlex.join(said_command("out", files_by_name=True))
     page = page_html(
         drawn,
         start,
-        (options.material or "isotropic",),
+        (asked.loop.surface or "isotropic",),
         chosen.settings,
         pairs=pairs,
         sections=[*sections, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))],
         downloads=downloads,
         provenance=provenance_of(drawn, command, inputs),
     )
-    write_page(page, result_stem(out, "report", chosen.loop))
+    write_page(page, result_stem(asked.out, "report", chosen.loop))
 
 
 def _what_to_do(
@@ -121,7 +114,7 @@ def _beside_data(
     """
     from cyclemap.evidence.comparison.compare import compare
     from cyclemap.views import compare_page
-    from cyclemap.views.verdicts import verdicts
+    from cyclemap.views.compare_page import verdicts
 
     noise = None if chosen.sigma is None else WrappedNormal(chosen.sigma)
     compared = compare(drawn.loop, data, noise=noise, progress=progress)
@@ -142,16 +135,16 @@ def _beside_data(
     ]
 
 
-def run_explore(
-    options: LoopOptions, data: Path | None, table: TableOptions, browser: bool, out: Path
-) -> None:
+def run_explore(asked: ExploreOptions) -> None:
     """Write the explorer's page, and open it."""
-    options = replace(options, material=options.material or "plywood")
-    chosen = chosen_loop(options, data)
-    pairs = measured_orientations(data, table, out)
+    surface = asked.loop.surface or "plywood"
+    chosen = chosen_loop(surface, asked.loop.protocol, asked.loop.settings, asked.data)
+    pairs = None
+    if asked.data is not None:
+        pairs = measured_pairs(readable_data(asked.data, asked.table, asked.out))
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
         drawn = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
-    page = page_html(drawn, 0.0, (str(options.material),), chosen.settings, pairs=pairs)
-    place = write_page(page, result_stem(out, "explore", chosen.loop))
-    if browser:
+    page = page_html(drawn, 0.0, (surface,), chosen.settings, pairs=pairs)
+    place = write_page(page, result_stem(asked.out, "explore", chosen.loop))
+    if asked.browser:
         webbrowser.open(place.resolve().as_uri())

@@ -3,20 +3,19 @@ what `cyclemap portrait` and `staircase` say of a strategy whose cycles differ.
 """
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from cyclemap.arrays import Array
+from cyclemap.cli.commands import ResetOptions
 from cyclemap.cli.json_report import actions_report, measured_report, steps_report
-from cyclemap.cli.options import ResultOptions, RunOptions
+from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import Told, people_table, progress_bar, publish, result_stem, styled
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.mechanics import Material, load_material
 from cyclemap.protocol import write_protocol, write_schedule
-from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_collection
+from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import (
     MaterialRange,
     ResetDemands,
@@ -49,44 +48,43 @@ _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the di
 _NO_STEPS = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
 
 
-def run_reset(
-    options: LoopOptions,
-    results: ResultOptions,
-    cycles: int,
-    seed: int,
-    reach_mm: float | None,
-    least_push_mm: float | None,
-    axes_percent: float | None,
-    offsets_percent: float | None,
-    likely: tuple[str, ...],
-    **wanted: Any,
-) -> None:
+def run_reset(asked: ResetOptions) -> None:
     """Design the reset, write its files, and print it for people or as JSON."""
-    asked = chosen_collection(options)
+    chosen = asked.loop.chosen_collection()
+    demands = ResetDemands(
+        allow_tv=asked.allow_tv,
+        extra_tv=asked.extra_tv,
+        within=asked.within,
+        drag_ratio=asked.drag_ratio,
+        seconds=asked.seconds,
+        reach=_times(1e-3, asked.reach_mm),
+        contact=_times(1e-3, asked.least_push_mm),
+        abilities=asked.abilities,
+        keep_push=asked.keep_push,
+        pushes=asked.pushes,
+    )
     with progress_bar("comparing resets") as report:
         design = design_reset(
-            asked.loop,
-            ResetDemands(
-                reach=_times(1e-3, reach_mm), contact=_times(1e-3, least_push_mm), **wanted
-            ),
-            sigma=asked.noise,
-            materials=_range(asked.loop.material, axes_percent, offsets_percent, likely),
-            given=asked.strategy,
-            seed=seed,
+            chosen.loop,
+            demands,
+            sigma=chosen.noise,
+            materials=_range(chosen.loop.material, asked),
+            given=chosen.strategy,
+            seed=asked.seed,
             progress=report,
         )
-    stem = result_stem(results.out, "reset", asked.loop)
+    stem = result_stem(asked.results.out, "reset", chosen.loop)
     strategy = design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(
-        protocol, design.loop, strategy, noise=asked.noise, predicted=_predicted(design.chosen)
+        protocol, design.loop, strategy, noise=chosen.noise, predicted=_predicted(design.chosen)
     )
-    write_schedule(schedule, design.loop, strategy, cycles, seed)
+    write_schedule(schedule, design.loop, strategy, asked.cycles, asked.seed)
     publish(
         _report(design, protocol, schedule),
         reset_page(design),
         stem,
-        results,
+        asked.results,
         *_lines(design),
         after=(f"protocol: {protocol}", f"schedule: {schedule}"),
     )
@@ -96,14 +94,11 @@ def _times(factor: float, value: float | None) -> float | None:
     return None if value is None else factor * value
 
 
-def _range(
-    nominal: Material,
-    axes_percent: float | None,
-    offsets_percent: float | None,
-    likely: Sequence[str],
-) -> MaterialRange:
+def _range(nominal: Material, asked: ResetOptions) -> MaterialRange:
     """The materials that are named, else those of percentages."""
-    about = material_range(nominal, _times(0.01, axes_percent), _times(0.01, offsets_percent))
+    shares = (_times(0.01, percent) for percent in (asked.axes_percent, asked.offsets_percent))
+    about = material_range(nominal, *shares)
+    likely = asked.likely
     if not likely:
         return about
     return MaterialRange(about.nominal, tuple(map(load_material, likely)), ", ".join(likely))

@@ -4,17 +4,17 @@ import math
 import time
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from cyclemap import sweeps
-from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.commands import SweepOptions
+from cyclemap.cli.options import words_of
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem, styled
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.protocol.chosen_loop import LoopOptions, set_settings, told_settings
+from cyclemap.protocol.chosen_loop import said_settings, set_settings
 from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
@@ -33,25 +33,6 @@ _LONGEST_NAME = 60
 _OBJECT_KEYS = {
     key for key, setting in SETTINGS.items() if setting.place in ("slider.outline", "slider.name")
 }
-
-
-@dataclass(frozen=True)
-class SweepOptions:
-    """What `cyclemap sweep` was asked, as it was typed."""
-
-    options: LoopOptions
-    over: tuple[str, ...]
-    sample: int | None
-    seed: int
-    sequence: str
-    quantities: str
-    tolerance_deg: float | None
-    rotation_tolerance: float
-    workers: int | None
-    export: str
-    draw: str
-    status: bool
-    results: ResultOptions
 
 
 def run_sweep(asked: SweepOptions) -> None:
@@ -73,7 +54,7 @@ def run_sweep(asked: SweepOptions) -> None:
     if asked.status:
         now = sweeps.sweep_status(store, plan)
         done = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
-        if not publish_json(_status_report(now, store), asked.results.json_target):
+        if not publish_json(_status_report(now, store), asked.results.json):
             stored = f"{now.stored} of {now.points} points stored ({done}), {now.refused} refused"
             PeopleConsole().print(f"{store}: {stored}")
         return
@@ -109,10 +90,10 @@ def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
     if keys < _MOST_DRAWN_KEYS or (
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
-        files.append(store.with_suffix(f".{results.picture_format}"))
+        files.append(store.with_suffix(f".{results.format}"))
         page = sweep_page(sweep, _words(asked.draw))
-        write_whole(files[-1], render(page, results.picture_format))
-    if publish_json(sweep_report(sweep, store), results.json_target):
+        write_whole(files[-1], render(page, results.format))
+    if publish_json(sweep_report(sweep, store), results.json):
         return
     undrawn = "more than two keys: select values of the others in Python, or export, to draw"
     PeopleConsole().tell(
@@ -141,10 +122,11 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
     as --set does."""
     ranges = tuple(map(parse_over, asked.over))
     swept = {over.key for over in ranges}
-    material, given, strategy = told_settings(asked.options)
+    loop = asked.loop
+    material, given, strategy = said_settings(loop.surface, loop.protocol, loop.settings)
     if strategy is not None:
         raise InvalidInput(
-            f"{asked.options.protocol or material}: a sweep is about one push and one drag back: "
+            f"{loop.protocol or material}: a sweep is about one push and one drag back: "
             "take the table [strategy] out of it"
         )
     # What is swept takes the place of what a file says, as --set does.
@@ -153,7 +135,7 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
         for key, value in layered(given, dict.fromkeys(swept)).items()
         if key not in swept
     }
-    settings |= set_settings(asked.options.settings)
+    settings |= set_settings(loop.settings)
     warn_of_defaults({**dict.fromkeys(swept), **settings})
     tolerance = (
         {} if asked.tolerance_deg is None else {"tolerance": math.radians(asked.tolerance_deg)}
@@ -171,7 +153,7 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
 
 def _words(text: str, known: Iterable[str] | None = None, what: str = "") -> tuple[str, ...]:
     """The words of a list by commas; InvalidInput for one that is not among those known."""
-    words = tuple(word.strip() for word in text.split(",") if word.strip())
+    words = tuple(words_of(text))
     for word in words:
         if known is not None and word not in known:
             raise unknown_name(what, word, known)

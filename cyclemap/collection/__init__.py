@@ -42,15 +42,18 @@ if TYPE_CHECKING:
         BatchRun as BatchRun,
         batch_experiment as batch_experiment,
     )
+    from cyclemap.collection.cycles import (
+        Cycles as Cycles,
+        CycleSensitivity as CycleSensitivity,
+        CycleTrajectory as CycleTrajectory,
+    )
     from cyclemap.collection.dynamic_loop import (
         DynamicCycle as DynamicCycle,
         DynamicLoop as DynamicLoop,
         DynamicsComparison as DynamicsComparison,
         compare_dynamics as compare_dynamics,
-        isotropic_twin as isotropic_twin,
     )
     from cyclemap.collection.fingerprint import (
-        Anisotropy as Anisotropy,
         Fingerprint as Fingerprint,
         TurnResponse as TurnResponse,
         fingerprint as fingerprint,
@@ -64,13 +67,12 @@ if TYPE_CHECKING:
     from cyclemap.collection.loop import (
         CollectionLoop as CollectionLoop,
         Cycle as Cycle,
-        Cycles as Cycles,
-        CycleSensitivity as CycleSensitivity,
-        CycleTrajectory as CycleTrajectory,
         run_cycles as run_cycles,
     )
     from cyclemap.collection.loop_surfaces import (
+        Anisotropy as Anisotropy,
         drifting_map as drifting_map,
+        isotropic_twin as isotropic_twin,
         on_material as on_material,
         worn_loop as worn_loop,
     )

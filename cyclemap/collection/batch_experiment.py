@@ -9,11 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.checks import finite_array, whole_number
-from cyclemap.collection.cycle_scene import placed
-from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
+from cyclemap.collection.dynamic_loop import (
+    DynamicLoop,
+)
 from cyclemap.collection.loop import CollectionLoop, require_loop
+from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
 from cyclemap.progress import Progress, unheard

@@ -1,6 +1,5 @@
 """The data-collection loop run by the dynamic simulation, and beside the quasi-static loop."""
 
-import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
@@ -9,15 +8,10 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
-from cyclemap.collection.loop import (
-    CollectionLoop,
-    Cycles,
-    CycleTrajectory,
-    StrokePair,
-    require_loop,
-)
+from cyclemap.collection.cycles import Cycles, CycleTrajectory, StrokePair
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import EllipseFriction, Material, PointFootprint, PressedFootprint
+from cyclemap.mechanics import PointFootprint, PressedFootprint
 from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicModel
 from cyclemap.mechanics.footprint import pressure_points
 from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory
@@ -233,31 +227,3 @@ def on_points(loop: CollectionLoop) -> CollectionLoop:
     if isinstance(require_loop(loop).footprint, (PointFootprint, PressedFootprint)):
         return loop
     return replace(loop, footprint=pressure_points(loop.model.pressure, GRID))
-
-
-def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop on a surface whose limit curve is the centred circle as large as its limit
-    ellipse.
-
-    Parameters
-    ----------
-    loop : CollectionLoop
-        The loop to take the preferred direction from.
-
-    Returns
-    -------
-    CollectionLoop
-        The same protocol on friction that is alike in every direction.
-
-    Examples
-    --------
-    >>> from cyclemap.collection import CollectionLoop, isotropic_twin
-    >>> round(isotropic_twin(CollectionLoop.mit()).material.friction.mu_a, 4)
-    0.2443
-    """
-    law = require_loop(loop).material.friction
-    friction = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
-    name = f"{loop.material.name}, made isotropic"
-    return replace(
-        loop, material=Material(name, friction, f"the mean coefficient of {loop.material.name}")
-    )

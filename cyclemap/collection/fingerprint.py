@@ -1,8 +1,5 @@
-"""How far a surface is from isotropic and flat, and the numbers that tell how a protocol's cycle
-answers it.
-"""
+"""The numbers that tell how a protocol's cycle answers a surface that is nearly isotropic and flat."""
 
-import cmath
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,17 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
+from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.collection.loop import CollectionLoop, require_loop
+from cyclemap.collection.loop_surfaces import (
+    ISOTROPIC,
+    MEAN,
+    Anisotropy,
+    can_bow,
+    with_anisotropy,
+    with_bow,
+)
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
 from cyclemap.progress import Progress, unheard
-from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
-
-# One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
-# overflow.
-MOST_ELLIPTICITY = 5.0
-
+from cyclemap.written import ANGLE, UNWRITTEN
 
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
 _BOW = ("floor_bow_x", "floor_bow_y")
@@ -30,138 +29,10 @@ _LEAST_BOW = 1e-12
 # (rad) of the cycles: their gradients are then good to about 1e-8.
 STEP = 0.002
 _ACCURACY = 1e-10
-# The mean radius of the ellipses that are run: no turn depends on it.
-_MEAN = 0.25
 # Usual surfaces: their offset and ellipticity, and how many of them are run.
 _OFFSET = 0.12
 _ELLIPTICITY = 0.06
 _SURFACES = 16
-
-
-@dataclass(frozen=True)
-class Anisotropy:
-    """The part of a friction ellipse that motion depends on; its mean radius sqrt(mu_a mu_b) drops
-    out.
-
-    Parameters
-    ----------
-    offset : float
-        |(m0, n0)| / sqrt(mu_a mu_b), not negative.
-    offset_direction : float
-        Direction of R(φ)(m0, n0) in the surface's axes, rad.
-    ellipticity : float
-        log(mu_a / mu_b) / 2, not negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic
-        tangent.
-    ellipse_direction : float
-        Direction of the axis along which friction is greater, rad; that of a friction ellipse
-        in [0, π).
-
-    Raises
-    ------
-    InvalidInput
-        For a value that is not finite, or a negative offset or ellipticity.
-
-    Notes
-    -----
-    It may be larger than any surface's, since scales are sought along a ray: `require_surface`
-    tells.
-
-    Examples
-    --------
-    >>> from cyclemap import EllipseFriction
-    >>> from cyclemap.collection import Anisotropy
-    >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
-    >>> round(seen.offset, 4), seen.offset_direction
-    (0.2041, 0.5)
-    >>> round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
-    (0.2027, 2.0708)
-    """
-
-    offset: float
-    offset_direction: float = field(metadata=DIRECTION)
-    ellipticity: float
-    ellipse_direction: float = field(metadata=DIRECTION)
-
-    def __post_init__(self) -> None:
-        for name in ("offset", "ellipticity"):
-            object.__setattr__(self, name, non_negative_number(name, getattr(self, name)))
-        for name in ("offset_direction", "ellipse_direction"):
-            object.__setattr__(self, name, finite_number(name, getattr(self, name)))
-
-    @classmethod
-    def of(cls, friction: EllipseFriction) -> "Anisotropy":
-        """Return the anisotropy of a friction ellipse; InvalidInput for anything else."""
-        if not isinstance(friction, EllipseFriction):
-            raise InvalidInput(
-                "friction must be an EllipseFriction, such as loop.material.friction, not "
-                f"{friction!r}"
-            )
-        vector = complex(friction.m0, friction.n0) / math.sqrt(friction.mu_a * friction.mu_b)
-        signed = 0.5 * math.log(friction.mu_a / friction.mu_b)
-        axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi
-        vector *= cmath.exp(1j * friction.phi)
-        return cls(abs(vector), cmath.phase(vector), abs(signed), axis % math.pi)
-
-    @classmethod
-    def of_components(cls, components: ArrayLike) -> "Anisotropy":
-        """Return the anisotropy of the four numbers that `seen_from(0)` gives."""
-        u_x, u_y, v_x, v_y = finite_array("components", components, last=4).tolist()
-        angle = 0.5 * math.atan2(v_y, v_x)
-        return cls(
-            math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi
-        )
-
-    def friction(self, mean: float = 0.25) -> EllipseFriction:
-        """Return the friction ellipse of mean radius sqrt(mu_a mu_b) = `mean`; InvalidInput as
-        `require_surface`.
-        """
-        self.require_surface()
-        centre = mean * cmath.rect(self.offset, self.offset_direction - self.ellipse_direction)
-        stretch = math.exp(self.ellipticity)
-        return EllipseFriction(
-            mean * stretch, mean / stretch, centre.real, centre.imag, self.ellipse_direction
-        )
-
-    def require_surface(self) -> None:
-        """Raise InvalidInput where the offset ends outside the friction ellipse, or the ellipticity
-        is above 5.
-        """
-        if self.ellipticity > MOST_ELLIPTICITY:
-            raise InvalidInput(
-                f"ellipticity {self.ellipticity:g} is more than any surface has: it is "
-                f"log(mu_a/mu_b)/2, about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
-            )
-        angle = self.offset_direction - self.ellipse_direction
-        stretch = math.exp(self.ellipticity)
-        most = 1.0 / math.hypot(math.cos(angle) / stretch, math.sin(angle) * stretch)
-        if self.offset >= most:
-            raise InvalidInput(
-                f"offset {self.offset:g} reaches out of the friction ellipse, so some direction of "
-                f"sliding would gain energy: in this direction choose less than {most:.4g}"
-            )
-
-    def scaled(self, factor: float) -> "Anisotropy":
-        """Return the anisotropy with offset and ellipticity `factor` times as large, 0 or more."""
-        return replace(self, offset=factor * self.offset, ellipticity=factor * self.ellipticity)
-
-    def seen_from(self, theta: ArrayLike) -> Array:
-        """Return the anisotropy in the axes of an object at orientations (...), rad: (..., 4).
-
-        offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)):
-        all that the turn of a cycle depends on. Raises InvalidInput for an orientation that is not
-        finite.
-        """
-        angle = finite_array("theta", theta)
-        first = self.offset_direction - angle
-        second = 2.0 * (self.ellipse_direction - angle)
-        u = self.offset
-        v = self.ellipticity
-        return np.stack(
-            [u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1
-        )
-
-
-_ISOTROPIC = Anisotropy(0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -366,7 +237,7 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
         )
     report = progress or unheard
     loop = with_bow(replace(loop, accuracy=min(loop.accuracy, _ACCURACY)), 0.0)
-    isotropic = with_anisotropy(loop, _ISOTROPIC).cycle(0.0)
+    isotropic = with_anisotropy(loop, ISOTROPIC).cycle(0.0)
     gradients = _gradients(loop, np.zeros(4))
     report(0.1)
     differences = np.zeros((2, 4, 4))
@@ -377,7 +248,8 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
     hessians = 0.5 * (differences + differences.transpose(0, 2, 1))
     whole = differences.sum(axis=0)
     turns = isotropic.push_turn, isotropic.drag_turn
-    bows = _bow_gradients(loop)
+    bends = can_bow(loop)
+    bows = _bow_gradients(loop) if bends else np.zeros((2, 2))
     push, drag = (
         TurnResponse(*derivatives)
         for derivatives in zip(turns, gradients, hessians, bows, strict=True)
@@ -386,57 +258,17 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
     return replace(
         response,
         remainder=_remainder(loop, response.cycle),
-        bow_remainder=_bow_remainder(loop, response.cycle),
+        bow_remainder=_bow_remainder(loop, response.cycle) if bends else 0.0,
     )
-
-
-def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:
-    """Return the loop on a surface of this anisotropy and a usual mean friction."""
-    return replace(
-        loop, material=Material("surface of given anisotropy", anisotropy.friction(_MEAN))
-    )
-
-
-def with_bow(loop: CollectionLoop, bow: float) -> CollectionLoop:
-    """Return the loop on a floor of this bow along the world's x axis; support points have none,
-    and stay.
-    """
-    footprint = loop.footprint
-    if isinstance(footprint, PressedFootprint):
-        return replace(
-            loop, footprint=replace(footprint, floor=replace(footprint.floor, bow=bow, axis=0.0))
-        )
-    if bow == 0.0 or not _can_bow(loop):
-        return loop
-    slider = loop.slider
-    pressed = PressedFootprint(
-        slider.outline, floor=SurfaceShape(bow=bow), centre=slider.centre_of_mass
-    )
-    return replace(loop, footprint=pressed)
-
-
-def floor_bow(loop: CollectionLoop) -> float:
-    """Return the bow of the floor under a loop, mean pressures at 50 mm."""
-    return loop.footprint.floor.bow if isinstance(loop.footprint, PressedFootprint) else 0.0
-
-
-def _can_bow(loop: CollectionLoop) -> bool:
-    """Whether the pressure is that of an outline: flat, or one with shapes, not points or shares of
-    the load.
-    """
-    footprint = loop.footprint
-    return footprint is None or isinstance(footprint, PressedFootprint)
 
 
 def _bow_gradients(loop: CollectionLoop) -> Array:
     """Derivatives (2, 2) of the turns of push and drag at θ = 0 by the two components of the
     floor's bow.
     """
-    if not _can_bow(loop):
-        return np.zeros((2, 2))
     # A bow of nothing, so that the footprint is one that has shapes.
     flat = with_bow(loop, _LEAST_BOW)
-    return _turns_by(with_anisotropy(flat, _ISOTROPIC), _BOW)
+    return _turns_by(with_anisotropy(flat, ISOTROPIC), _BOW)
 
 
 def _turns_by(loop: CollectionLoop, parameters: tuple[str, ...]) -> Array:
@@ -450,9 +282,7 @@ def _turns_by(loop: CollectionLoop, parameters: tuple[str, ...]) -> Array:
 def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
     """What the first order leaves of the turn on a floor of bow 1, rad,
     at most over half a turn."""
-    if not _can_bow(loop):
-        return 0.0
-    bowed = with_anisotropy(with_bow(loop, 1.0), _ISOTROPIC)
+    bowed = with_anisotropy(with_bow(loop, 1.0), ISOTROPIC)
     theta = math.pi * np.arange(_SURFACES) / _SURFACES
     first = response.bow_amplitude * np.cos(2.0 * theta - response.bow_phase)
     return float(np.abs(bowed.next_theta(theta) - theta - response.turn - first).max())
@@ -495,10 +325,10 @@ def _derivatives(loop: CollectionLoop, surface: Anisotropy) -> tuple[Array, Arra
     """Derivatives of the turns of push and drag at θ = 0: by offset (2, 2), by ellipticity (2,) and
     by φ (2,).
     """
-    law = surface.friction(_MEAN)
+    law = surface.friction(MEAN)
     rows = _turns_by(with_anisotropy(loop, surface), _FRICTION)
     by_a, by_b, by_m, by_n, by_phi = rows.T
     c = math.cos(law.phi)
     s = math.sin(law.phi)
-    by_offset = _MEAN * np.stack([c * by_m - s * by_n, s * by_m + c * by_n], axis=-1)
+    by_offset = MEAN * np.stack([c * by_m - s * by_n, s * by_m + c * by_n], axis=-1)
     return by_offset, law.mu_a * by_a - law.mu_b * by_b, by_phi

@@ -4,6 +4,7 @@ full map.
 
 import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,14 +13,9 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, positive_number
-from cyclemap.collection.fingerprint import (
-    Anisotropy,
-    Fingerprint,
-    TurnResponse,
-    floor_bow,
-    with_anisotropy,
-)
+from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow, with_anisotropy
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
 from cyclemap.mechanics import EllipseFriction
@@ -192,20 +188,20 @@ class Prediction:
 
     def second_order_turn(self, theta: ArrayLike) -> Array:
         """Return the turn to second order, (...), rad."""
-        return self.turn(theta) + self.fingerprint.cycle.second_order(
-            self.anisotropy.seen_from(theta)
-        )
+        return self.turn(theta) + self._second_order(theta)
 
     def turn_error(self, theta: ArrayLike) -> Array:
         """Return how far off the first-order turn is estimated to be, (...), rad."""
-        second = self.fingerprint.cycle.second_order(self.anisotropy.seen_from(theta))
-        return np.abs(second) + self.fingerprint.margin(self.anisotropy)
+        return np.abs(self._second_order(theta)) + self.fingerprint.margin(self.anisotropy)
+
+    def _second_order(self, theta: ArrayLike) -> Array:
+        return self.fingerprint.cycle.second_order(self.anisotropy.seen_from(theta))
 
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
         turn = self.fingerprint.cycle.turn
-        (p, q) = harmonics(self.fingerprint.cycle, self.anisotropy)
+        p, q = harmonics(self.fingerprint.cycle, self.anisotropy)
         return CircleMap.with_scalar(
             lambda theta: theta + turn + (p * np.exp(1j * theta) + q * np.exp(2j * theta)).real,
             lambda theta: 1.0 - (p * np.exp(1j * theta) + 2.0 * q * np.exp(2j * theta)).imag,
@@ -218,10 +214,8 @@ class Prediction:
     def ratio(self) -> float:
         """Largest error of the turn over its largest first-order part;
         0 on an isotropic surface."""
-        first = float(
-            np.abs(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(_ANGLES))).max()
-        )
-        return float(self.turn_error(_ANGLES).max()) / first if first else 0.0
+        first = float(np.abs(self.turn(_ANGLES) - self.fingerprint.cycle.turn).max())
+        return float(self.turn_error(_ANGLES).max()) / first if self._anisotropic else 0.0
 
     @property
     def second_order_found(self) -> bool:
@@ -248,11 +242,8 @@ class Prediction:
             theta = float(orbit.points[0])
             error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
             same = [other for other in self.second_order_points if other.stable == orbit.stable]
-            nearest = min(
-                same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None
-            )
-            near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
-            directions.append(PredictedDirection(orbit, error, nearest if near else None))
+            nearest, away = _nearest(theta, same)
+            directions.append(PredictedDirection(orbit, error, nearest if away <= error else None))
         return tuple(directions)
 
     @cached_property
@@ -330,13 +321,9 @@ class Prediction:
         off.
         """
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
-        first = float(
-            self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta))
-        )
-        side = -math.copysign(1.0, first)
         isotropic = self.fingerprint.cycle.turn
-        ahead = (side * isotropic) % TWO_PI
-        turn = ahead + side * (scaled.turn(_ANGLES) - isotropic)
+        side = -math.copysign(1.0, float(self.turn(self.lock_in.theta)) - isotropic)
+        turn = (side * isotropic) % TWO_PI + side * (scaled.turn(_ANGLES) - isotropic)
         return float(np.min(turn + sign * scaled.turn_error(_ANGLES)))
 
     def _reach(self, theta: float, sense: float) -> float:
@@ -354,12 +341,19 @@ class Prediction:
         return float(reach[out - 1] + (reach[1] - reach[0]) * before / (before - after))
 
 
-def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
+def _nearest(theta: float, orbits: Sequence[Orbit]) -> tuple[Orbit | None, float]:
+    """The fixed point nearest to a direction, and how far that is, rad; None and inf without any."""
+    away = [abs(float(shorter_way(orbit.points[0] - theta))) for orbit in orbits]
+    nearest = min(away, default=math.inf)
+    return (orbits[away.index(nearest)] if away else None), nearest
+
+
+def predict(fingerprint: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
     """Return what a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
     Parameters
     ----------
-    found : Fingerprint
+    fingerprint : Fingerprint
         The fingerprint of the protocol.
     anisotropy : Anisotropy or EllipseFriction
         That of the surface, or its friction.
@@ -384,9 +378,9 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
     >>> round(math.degrees(direction.theta), 1), round(math.degrees(direction.error), 1)
     (59.4, 21.1)
     """
-    if not isinstance(found, Fingerprint):
+    if not isinstance(fingerprint, Fingerprint):
         raise InvalidInput(
-            f"a prediction needs a Fingerprint, such as fingerprint(loop), not {found!r}"
+            f"a prediction needs a Fingerprint, such as fingerprint(loop), not {fingerprint!r}"
         )
     surface = Anisotropy.of(anisotropy) if isinstance(anisotropy, EllipseFriction) else anisotropy
     if not isinstance(surface, Anisotropy):
@@ -395,7 +389,7 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
             f"loop.material.friction, not {anisotropy!r}"
         )
     surface.require_surface()
-    return Prediction(found, surface)
+    return Prediction(fingerprint, surface)
 
 
 # How far (rad) from the first order's place the full map's extremum is looked for.
@@ -526,13 +520,8 @@ def check_prediction(
     points = tuple(fixed_points(full))
     checked = []
     for direction in prediction.directions:
-        away = {
-            abs(math.remainder(float(orbit.points[0]) - direction.theta, TWO_PI)): orbit
-            for orbit in points
-            if orbit.stable == direction.stable
-        }
-        miss = min(away, default=math.inf)
-        checked.append(CheckedDirection(direction, away.get(miss), miss))
+        same = [orbit for orbit in points if orbit.stable == direction.stable]
+        checked.append(CheckedDirection(direction, *_nearest(direction.theta, same)))
     return PredictionCheck(full, points, tuple(checked))
 
 

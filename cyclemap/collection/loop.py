@@ -11,15 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array, Mask
+from cyclemap.arrays import Array, placed
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.cycle_scene import CycleScene
+from cyclemap.collection.cycles import Cycles, CycleSensitivity, CycleTrajectory, StrokePair
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
@@ -37,191 +37,11 @@ from cyclemap.mechanics import (
     Trajectory,
     load_material,
 )
-from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, CycleSlopes, run_batch
+from cyclemap.mechanics.cycle_batch import CycleSlopes, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.plate_footprint import plate_footprint
 from cyclemap.progress import Progress
-
-if TYPE_CHECKING:
-    import pandas
-    import xarray
-
-    from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory
-
-
-P = TypeVar("P", bound="PushResult | DynamicPush")
-D = TypeVar("D", bound="DragResult | DynamicDrag")
-T = TypeVar("T", bound="Trajectory | DynamicTrajectory")
-
-
-@dataclass(frozen=True, eq=False)
-class CycleTrajectory(Generic[T]):
-    """The course of a cycle in the world, whose origin is the reset's target.
-
-    Attributes
-    ----------
-    push : Trajectory or DynamicTrajectory
-        The course of the push.
-    drag : Trajectory or DynamicTrajectory
-        The course of the drag back.
-
-    Examples
-    --------
-    >>> from cyclemap import CollectionLoop
-    >>> course = CollectionLoop.mit().cycle(0.0).trajectory
-    >>> course.push.pose.shape[1], str(course.drag.mode[0])
-    (3, 'ring')
-    """
-
-    push: T
-    drag: T
-
-
-@dataclass(frozen=True, eq=False)
-class StrokePair(Generic[P, D]):
-    """A push and the drag that followed it.
-
-    Attributes
-    ----------
-    theta : float
-        Orientation before, rad.
-    push, drag : results of both strokes
-        Quasi-static or dynamic.
-    """
-
-    theta: float
-    push: P
-    drag: D
-
-    @property
-    def push_turn(self) -> float:
-        """Turn of the object by the push, rad."""
-        return self.push.turn
-
-    @property
-    def push_displacement(self) -> Array:
-        """Of the object's origin in its initial frame, (2,), m."""
-        return self.push.displacement
-
-    @property
-    def drag_turn(self) -> float:
-        """Turn of the object by the drag, rad."""
-        return self.drag.turn
-
-    @property
-    def drag_length(self) -> float:
-        """Path of the ring, m."""
-        return self.drag.length
-
-    @property
-    def theta_next(self) -> float:
-        """Orientation after, rad on the lift: theta + push_turn + drag_turn."""
-        return self.drag.end.theta
-
-    @property
-    def ended(self) -> str:
-        """Why the push ended, `distance`, or `left` where the rod lost the object."""
-        return self.push.ended
-
-
-@dataclass(frozen=True, eq=False)
-class Cycles:
-    """Many cycles as arrays, in the shape (...) of the orientations they start from.
-
-    Attributes
-    ----------
-    theta : ndarray, shape (...)
-        Orientations before, rad.
-    push_turn : ndarray, shape (...)
-        Turns of the object by the push, rad.
-    push_displacement : ndarray, shape (..., 2)
-        Of the object's origin in its initial frame, m.
-    drag_turn : ndarray, shape (...)
-        Turns by the drag, rad.
-    drag_length : ndarray, shape (...)
-        Path of the ring, m.
-    theta_next : ndarray, shape (...)
-        Orientations after, rad on the lift.
-    left : ndarray of bool, shape (...)
-        Where the rod lost the object before the push's distance was done.
-
-    Examples
-    --------
-    >>> from cyclemap import CollectionLoop
-    >>> cycles = CollectionLoop.mit().cycles([[0.0, 1.0, 2.0]])
-    >>> cycles.push_displacement.shape, cycles.left.tolist()
-    ((1, 3, 2), [[True, False, False]])
-    """
-
-    theta: Array
-    push_turn: Array
-    push_displacement: Array
-    drag_turn: Array
-    drag_length: Array
-    theta_next: Array
-    left: Mask
-
-    def to_frame(self) -> pandas.DataFrame:
-        """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx,
-        push_dy (rad, m).
-
-        >>> from cyclemap import CollectionLoop
-        >>> CollectionLoop.mit().cycles([0.0, 1.0]).to_frame().drag_length.round(3).tolist()
-        [0.093, 0.097]
-        """
-        import pandas
-
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
-        columns |= {"push_dx": dx, "push_dy": dy}
-        return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
-
-    def to_dataset(self, *axes: str) -> xarray.Dataset:
-        """Return the cycles as an xarray Dataset; variables as `to_frame`.
-
-        Parameters
-        ----------
-        *axes : str
-            Names of the axes of theta, one each.
-
-        Returns
-        -------
-        xarray.Dataset
-            Over these axes.
-
-        Raises
-        ------
-        InvalidInput
-            Where names and axes differ in number.
-
-        Examples
-        --------
-        >>> from cyclemap import CollectionLoop, run_cycles
-        >>> dict(run_cycles([CollectionLoop.mit()], [0.0, 1.0]).to_dataset("loop", "start").sizes)
-        {'loop': 1, 'start': 2}
-        """
-        import xarray
-
-        if len(axes) != self.theta.ndim:
-            raise InvalidInput(
-                f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one "
-                "for each"
-            )
-        columns = {
-            name: column.to_numpy().reshape(self.theta.shape)
-            for name, column in self.to_frame().items()
-        }
-        return xarray.Dataset({name: (axes, values) for name, values in columns.items()})
-
-    @classmethod
-    def of_batch(cls, theta: Array, batch: CycleBatch) -> Cycles:
-        """Return what the engine ran from the orientations theta (...), in its order."""
-        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
-        return cls(
-            theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns)
-        )
-
 
 # What a map's error can be brought below, rad.
 _LEAST_TOLERANCE = 1e-9
@@ -275,67 +95,21 @@ class Cycle(StrokePair[PushResult, DragResult]):
         push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
-    def scene(self) -> CycleScene:
-        """Return the cycle as outlines, paths and forces in the world, ready to draw."""
-        loop = self.loop
-        course = self.trajectory
-        return CycleScene.of_courses(loop.slider, loop.pusher.radius, course.push, course.drag)
-
     def _repr_html_(self) -> str:
-        scene = self.scene()
+        course = self.trajectory
+        outline = self.loop.slider.outline_points()
         outlines = [
-            Stroke(scene.push.before),
-            Stroke(scene.push.after, BLUE),
-            Stroke(scene.drag.after, GREY),
+            Stroke(placed(course.push.pose[0], outline)),
+            Stroke(placed(course.push.pose[-1], outline), BLUE),
+            Stroke(placed(course.drag.pose[-1], outline), GREY),
         ]
-        rod = [Stroke(stroke.rod, width=1.0) for stroke in (scene.push, scene.drag)]
+        rod = [Stroke(stroke.pusher, width=1.0) for stroke in (course.push, course.drag)]
         push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
         caption = (
             f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} "
             "(grey), the rod's way"
         )
         return inline_svg([*outlines, *rod], caption, 240, equal=True)
-
-
-@dataclass(frozen=True, eq=False)
-class CycleSensitivity:
-    """Derivatives of one cycle.
-
-    Attributes
-    ----------
-    theta : float
-        Orientation before, rad.
-    theta_next : float
-        Orientation after, rad. `by("theta")` is d theta_next / d theta, the multiplier.
-    jacobian : ndarray, shape (6, k)
-        Derivatives of `outputs` by `parameters`, SI units and radians.
-    parameters : tuple of str
-        Names of what was varied.
-    outputs : tuple of str
-        push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next.
-
-    Examples
-    --------
-    >>> from cyclemap import CollectionLoop
-    >>> sensitivity = CollectionLoop.mit("plywood").sensitivity(0.0)
-    >>> round(sensitivity.by("theta"), 3), round(sensitivity.by("mu_a", "push_turn"), 3)
-    (0.766, 1.319)
-    """
-
-    theta: float
-    theta_next: float
-    jacobian: Array
-    parameters: tuple[str, ...] = PARAMETERS
-    outputs: tuple[str, ...] = CYCLE_OUTPUTS
-
-    def by(self, parameter: str, output: str = "theta_next") -> float:
-        """Return the derivative of an output by a parameter, both by name."""
-        if parameter not in self.parameters or output not in self.outputs:
-            raise InvalidInput(
-                f"no derivative of {output!r} by {parameter!r}: know {self.outputs} by "
-                f"{self.parameters}"
-            )
-        return float(self.jacobian[self.outputs.index(output), self.parameters.index(parameter)])
 
 
 @dataclass(frozen=True)
@@ -432,13 +206,10 @@ class CollectionLoop:
         start, way = first_contact(self.slider, self.push, self.pusher.radius)
         push = Stroke([start, start + 0.5 * self.slider.outline.extent * way])
         marks = [Stroke([start], BLUE, DISC, 4.0), Stroke([self.slider.hitch], BLUE, CIRCLE, 4.0)]
-        size = (
-            f"pushed {1e3 * self.push.distance:.4g} mm by a rod of {1e3 * self.pusher.radius:.4g} "
-            "mm"
-        )
         caption = (
-            f"{self.slider.name} on {self.material.name}, {size} (disc), dragged back by "
-            "its ring (circle)"
+            f"{self.slider.name} on {self.material.name}, pushed "
+            f"{1e3 * self.push.distance:.4g} mm by a rod of "
+            f"{1e3 * self.pusher.radius:.4g} mm (disc), dragged back by its ring (circle)"
         )
         return inline_svg([Stroke(outline), push, *marks], caption, equal=True)
 

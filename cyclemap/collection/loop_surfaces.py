@@ -1,21 +1,228 @@
-"""A loop on other surfaces: on another material, on one that wears, and its map as that drifts."""
+"""Surfaces as a loop meets them: how far one is from isotropic and flat, and the loop on another one,
+or on one that wears.
+"""
 
+import cmath
+import itertools
+import math
 from collections.abc import Callable
-from dataclasses import replace
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cyclemap.checks import whole_number
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.arrays import Array
+from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, DriftingMap
-from cyclemap.mechanics import DragBack, Material, PressedFootprint, Pusher
+from cyclemap.mechanics import (
+    DragBack,
+    EllipseFriction,
+    Material,
+    PressedFootprint,
+    Pusher,
+    SurfaceShape,
+)
+from cyclemap.written import DIRECTION
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
 BLEND_TOLERANCE = 1e-3
 # Radians: accuracy of the maps that are blended.
 MAP_TOLERANCE = 1e-4
+# One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
+# overflow.
+MOST_ELLIPTICITY = 5.0
+# The mean radius of the ellipses that are run: no turn depends on it.
+MEAN = 0.25
+
+
+@dataclass(frozen=True)
+class Anisotropy:
+    """The part of a friction ellipse that motion depends on; its mean radius sqrt(mu_a mu_b) drops
+    out.
+
+    Parameters
+    ----------
+    offset : float
+        |(m0, n0)| / sqrt(mu_a mu_b), not negative.
+    offset_direction : float
+        Direction of R(φ)(m0, n0) in the surface's axes, rad.
+    ellipticity : float
+        log(mu_a / mu_b) / 2, not negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic
+        tangent.
+    ellipse_direction : float
+        Direction of the axis along which friction is greater, rad; that of a friction ellipse
+        in [0, π).
+
+    Raises
+    ------
+    InvalidInput
+        For a value that is not finite, or a negative offset or ellipticity.
+
+    Notes
+    -----
+    It may be larger than any surface's, since scales are sought along a ray: `require_surface`
+    tells.
+
+    Examples
+    --------
+    >>> from cyclemap import EllipseFriction
+    >>> from cyclemap.collection import Anisotropy
+    >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
+    >>> round(seen.offset, 4), seen.offset_direction
+    (0.2041, 0.5)
+    >>> round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
+    (0.2027, 2.0708)
+    """
+
+    offset: float
+    offset_direction: float = field(metadata=DIRECTION)
+    ellipticity: float
+    ellipse_direction: float = field(metadata=DIRECTION)
+
+    def __post_init__(self) -> None:
+        for name in ("offset", "ellipticity"):
+            object.__setattr__(self, name, non_negative_number(name, getattr(self, name)))
+        for name in ("offset_direction", "ellipse_direction"):
+            object.__setattr__(self, name, finite_number(name, getattr(self, name)))
+
+    @classmethod
+    def of(cls, friction: EllipseFriction) -> "Anisotropy":
+        """Return the anisotropy of a friction ellipse; InvalidInput for anything else."""
+        if not isinstance(friction, EllipseFriction):
+            raise InvalidInput(
+                "friction must be an EllipseFriction, such as loop.material.friction, not "
+                f"{friction!r}"
+            )
+        vector = complex(friction.m0, friction.n0) / math.sqrt(friction.mu_a * friction.mu_b)
+        signed = 0.5 * math.log(friction.mu_a / friction.mu_b)
+        axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi
+        vector *= cmath.exp(1j * friction.phi)
+        return cls(abs(vector), cmath.phase(vector), abs(signed), axis % math.pi)
+
+    @classmethod
+    def of_components(cls, components: ArrayLike) -> "Anisotropy":
+        """Return the anisotropy of the four numbers that `seen_from(0)` gives."""
+        u_x, u_y, v_x, v_y = finite_array("components", components, last=4).tolist()
+        angle = 0.5 * math.atan2(v_y, v_x)
+        return cls(
+            math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi
+        )
+
+    def friction(self, mean: float = 0.25) -> EllipseFriction:
+        """Return the friction ellipse of mean radius sqrt(mu_a mu_b) = `mean`; InvalidInput as
+        `require_surface`.
+        """
+        self.require_surface()
+        centre = mean * cmath.rect(self.offset, self.offset_direction - self.ellipse_direction)
+        stretch = math.exp(self.ellipticity)
+        return EllipseFriction(
+            mean * stretch, mean / stretch, centre.real, centre.imag, self.ellipse_direction
+        )
+
+    def require_surface(self) -> None:
+        """Raise InvalidInput where the offset ends outside the friction ellipse, or the ellipticity
+        is above 5.
+        """
+        if self.ellipticity > MOST_ELLIPTICITY:
+            raise InvalidInput(
+                f"ellipticity {self.ellipticity:g} is more than any surface has: it is "
+                f"log(mu_a/mu_b)/2, about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
+            )
+        angle = self.offset_direction - self.ellipse_direction
+        stretch = math.exp(self.ellipticity)
+        most = 1.0 / math.hypot(math.cos(angle) / stretch, math.sin(angle) * stretch)
+        if self.offset >= most:
+            raise InvalidInput(
+                f"offset {self.offset:g} reaches out of the friction ellipse, so some direction of "
+                f"sliding would gain energy: in this direction choose less than {most:.4g}"
+            )
+
+    def scaled(self, factor: float) -> "Anisotropy":
+        """Return the anisotropy with offset and ellipticity `factor` times as large, 0 or more."""
+        return replace(self, offset=factor * self.offset, ellipticity=factor * self.ellipticity)
+
+    def seen_from(self, theta: ArrayLike) -> Array:
+        """Return the anisotropy in the axes of an object at orientations (...), rad: (..., 4).
+
+        offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)):
+        all that the turn of a cycle depends on. Raises InvalidInput for an orientation that is not
+        finite.
+        """
+        angle = finite_array("theta", theta)
+        offset = self.offset * np.exp(1j * (self.offset_direction - angle))
+        ellipse = self.ellipticity * np.exp(2j * (self.ellipse_direction - angle))
+        return np.stack([offset.real, offset.imag, ellipse.real, ellipse.imag], axis=-1)
+
+
+ISOTROPIC = Anisotropy(0.0, 0.0, 0.0, 0.0)
+
+
+def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:
+    """Return the loop on a surface of this anisotropy and a usual mean friction."""
+    return replace(
+        loop, material=Material("surface of given anisotropy", anisotropy.friction(MEAN))
+    )
+
+
+def with_bow(loop: CollectionLoop, bow: float) -> CollectionLoop:
+    """Return the loop on a floor of this bow along the world's x axis; support points have none,
+    and stay.
+    """
+    footprint = loop.footprint
+    if isinstance(footprint, PressedFootprint):
+        return replace(
+            loop, footprint=replace(footprint, floor=replace(footprint.floor, bow=bow, axis=0.0))
+        )
+    if bow == 0.0 or not can_bow(loop):
+        return loop
+    slider = loop.slider
+    pressed = PressedFootprint(
+        slider.outline, floor=SurfaceShape(bow=bow), centre=slider.centre_of_mass
+    )
+    return replace(loop, footprint=pressed)
+
+
+def floor_bow(loop: CollectionLoop) -> float:
+    """Return the bow of the floor under a loop, mean pressures at 50 mm."""
+    return loop.footprint.floor.bow if isinstance(loop.footprint, PressedFootprint) else 0.0
+
+
+def can_bow(loop: CollectionLoop) -> bool:
+    """Return whether the pressure is that of an outline: flat, or one with shapes, not points or shares of
+    the load.
+    """
+    footprint = loop.footprint
+    return footprint is None or isinstance(footprint, PressedFootprint)
+
+
+def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop on a surface whose limit curve is the centred circle as large as its limit
+    ellipse.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop to take the preferred direction from.
+
+    Returns
+    -------
+    CollectionLoop
+        The same protocol on friction that is alike in every direction.
+
+    Examples
+    --------
+    >>> from cyclemap.collection import CollectionLoop, isotropic_twin
+    >>> round(isotropic_twin(CollectionLoop.mit()).material.friction.mu_a, 4)
+    0.2443
+    """
+    law = require_loop(loop).material.friction
+    friction = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
+    name = f"{loop.material.name}, made isotropic"
+    return replace(
+        loop, material=Material(name, friction, f"the mean coefficient of {loop.material.name}")
+    )
 
 
 def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
@@ -151,7 +358,7 @@ def drifting_map(
         )
     wear = loop.material.wear
     count = whole_number("cycles", cycles, least=1)
-    done = [0]
+    numbered = itertools.count(1)
     # The way is blended, then gone through at the pace of the course: kinks of the course cost no
     # maps.
     first = wear.share(0.0)
@@ -160,25 +367,20 @@ def drifting_map(
 
     def at(share: float) -> CircleMap:
         made = worn_loop(even, share).circle_map(MAP_TOLERANCE)
-        done[0] += 1
         if progress is not None:
-            progress(done[0])
+            progress(next(numbered))
         return made
 
     steps = count if last > first else 1
     blend = DriftingMap.of_family(at, np.linspace(first, last, steps), steps, tolerance)
     shares = first + (last - first) * blend.cycles / max(steps - 1, 1)
-    bends = [
-        (0.0, first),
-        *((n, gone) for n, gone in wear.course if 0.0 < n < count - 1.0),
-        (count - 1.0, last),
-    ]
-    knots: dict[float, CircleMap] = {}
-    for (begin, low), (end, high) in pairwise(bends):
-        for n, share in ((begin, low), (end, high)):
-            knots.setdefault(n, blend.at((share - first) / max(last - first, 1e-300) * (steps - 1)))
-        for share, worn in zip(shares, blend.maps, strict=True):
-            if low < share < high:
-                knots.setdefault(begin + (end - begin) * float((share - low) / (high - low)), worn)
+    course = [(cycle, gone) for cycle, gone in wear.course if 0.0 < cycle < count - 1.0]
+    bend_cycles, bend_shares = np.array([(0.0, first), *course, (count - 1.0, last)]).T
+    at_bends = (bend_shares - first) / max(last - first, 1e-300) * (steps - 1)
+    knots = dict(zip(bend_cycles.tolist(), map(blend.at, at_bends.tolist()), strict=True))
+    between = np.interp(shares, bend_shares, bend_cycles)
+    for cycle, share, worn in zip(between.tolist(), shares, blend.maps, strict=True):
+        if share not in bend_shares:
+            knots[cycle] = worn
     order = sorted(knots)
     return DriftingMap(np.array(order), tuple(knots[n] for n in order), blend.max_error)

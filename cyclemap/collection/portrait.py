@@ -4,12 +4,18 @@ staircase alone.
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.checks import positive_number, whole_number
-from cyclemap.collection.lock_forecast import REST_CYCLES, LockForecast, lock_forecast
+from cyclemap.collection.lock_forecast import (
+    REST_CYCLES,
+    LockForecast,
+    forecast_from_turns,
+    sampled_turns,
+)
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
@@ -85,14 +91,25 @@ class NoisyLoop:
     noise: WrappedNormal
     operator: TransferOperator
     staircase: Staircase
-    prediction: StaircaseSummary
     drifting: DriftingMap | None
-    worn: StaircaseSummary | None
     uncertainty: DirectionUncertainty | None
     forecast: LockForecast | None
 
+    @cached_property
+    def prediction(self) -> StaircaseSummary:
+        """What a run looks like on average."""
+        return predict_staircase(self.map, self.noise, self.operator)
 
-@dataclass(frozen=True, eq=False)
+    @cached_property
+    def worn(self) -> StaircaseSummary | None:
+        """Where the surface wears, what runs on the surface of the last cycle are like."""
+        drifting = self.drifting
+        return None if drifting is None else predict_staircase(drifting.maps[-1], self.noise)
+
+
+N = TypeVar("N", bound=NoisyLoop)
+
+
 class Portrait(NoisyLoop):
     """What a collection loop does, cycle after cycle.
 
@@ -144,12 +161,6 @@ class Portrait(NoisyLoop):
     [63.2]
     """
 
-    turns: TurnStatistics
-    fixed_points: tuple[Orbit, ...]
-    gathering_jumps: tuple[float, ...]
-    rotation: RotationNumber
-    cycle: Cycle
-
     def _repr_html_(self) -> str:
         theta = np.linspace(0.0, FULL_TURN, 361)
         points = [
@@ -163,6 +174,32 @@ class Portrait(NoisyLoop):
         return inline_svg(
             [*map_strokes(theta, self.map.turn(theta), self.map.breaks), *points], caption
         )
+
+    @cached_property
+    def turns(self) -> TurnStatistics:
+        """Statistics of the map's turn."""
+        return turn_statistics(self.map)
+
+    @cached_property
+    def fixed_points(self) -> tuple[Orbit, ...]:
+        """The directions that the map takes to themselves."""
+        return tuple(fixed_points(self.map))
+
+    @cached_property
+    def gathering_jumps(self) -> tuple[float, ...]:
+        """The jumps (rad) about which orbits gather from both sides, as about a stable point."""
+        return tuple(jump.theta for jump in crossings_by_jump(self.map) if jump.attracting)
+
+    @cached_property
+    def rotation(self) -> RotationNumber:
+        """The map's rotation number."""
+        return rotation_number(self.map)
+
+    @cached_property
+    def cycle(self) -> Cycle:
+        """One noiseless cycle, started at the most visited stable point, or at 0."""
+        points = self.stable_points
+        return self.loop.cycle(float(points[0].points[0]) if points else 0.0)
 
     @cached_property
     def stable_points(self) -> tuple[Orbit, ...]:
@@ -261,82 +298,50 @@ def portrait(
     >>> result.rotation.locked, len(result.fixed_points), result.staircase.theta.shape
     (Fraction(0, 1), 2, (51,))
     """
-    report = progress or unheard
-    noisy = _noisy_loop(loop, sigma, cycles, start, seed, tolerance, report)
-    points = tuple(fixed_points(noisy.map))
-    stable = [orbit.points[:1] for orbit in points if orbit.stable]
-    visited = max(
-        stable, key=lambda theta: float(noisy.operator.density(theta)[0]), default=np.zeros(1)
-    )
-    jumps = crossings_by_jump(noisy.map)
-    result = Portrait(
-        **vars(noisy),
-        turns=turn_statistics(noisy.map),
-        fixed_points=points,
-        gathering_jumps=tuple(jump.theta for jump in jumps if jump.attracting),
-        rotation=rotation_number(noisy.map),
-        cycle=loop.cycle(float(visited[0])),
-    )
-    report(1.0)
-    return result
+    return _run(Portrait, loop, sigma, cycles, start, seed, tolerance, progress)
 
 
-def _noisy_loop(
+def _run(
+    kind: type[N],
     loop: CollectionLoop,
     sigma: float | None,
     cycles: int,
     start: float,
     seed: int,
     tolerance: float,
-    report: Progress,
-) -> NoisyLoop:
-    """Nearly all of the work: 0.9 of the progress.
+    progress: Progress | None,
+) -> N:
+    """A loop's map and noise, and a run.
 
-    How well directions are known stays unknown of what stands in for a loop, its map alone being
-    known.
+    How well directions are known, and what a run brings of all that is believed, stay unknown of
+    what stands in for a loop, its map alone being known.
     """
     if sigma is not None:
         positive_number("sigma", sigma)
     whole_number("cycles", cycles, least=1)
+    report = progress or unheard
     wears = loop.material.wear is not None
     share = 0.2 if wears else 0.6
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
     noise, kicks = noises_of(loop, cycle_map, sigma)
-    drifting = worn = uncertainty = None
+    drifting = uncertainty = forecast = None
     if wears:
         # How many maps it takes is not known before.
         drifting = drifting_map(
             loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS))
         )
-        worn = predict_staircase(drifting.maps[-1], noise)
     if isinstance(loop, CollectionLoop):
         uncertainty = direction_uncertainty(loop, lambda done: report(0.6 + 0.2 * done))
+        # A run that is long enough to lock in, on a surface that stays.
+        if loop.material.posterior is not None and not wears and cycles >= REST_CYCLES:
+            turns = sampled_turns(loop)
+            forecast = forecast_from_turns(turns, noise.sigma, cycles, start, seed)
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
-    return NoisyLoop(
-        loop,
-        cycle_map,
-        noise,
-        operator,
-        sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
-        predict_staircase(cycle_map, noise, operator),
-        drifting,
-        worn,
-        uncertainty,
-        _forecast(loop, noise.sigma, cycles, start, seed),
-    )
-
-
-def _forecast(
-    loop: CollectionLoop, sigma: float, cycles: int, start: float, seed: int
-) -> LockForecast | None:
-    """What a run brings where it is long enough to lock in, on a surface that stays and of which
-    there are samples.
-    """
-    stays = isinstance(loop, CollectionLoop) and loop.material.wear is None
-    if not stays or loop.material.posterior is None or cycles < REST_CYCLES:
-        return None
-    return lock_forecast(loop, sigma, cycles, start, seed)
+    staircase = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
+    made = kind(loop, cycle_map, noise, operator, staircase, drifting, uncertainty, forecast)
+    report(1.0)
+    return made
 
 
 def noises_of(
@@ -376,7 +381,6 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     )
 
 
-@dataclass(frozen=True, eq=False)
 class StaircaseForecast(NoisyLoop):
     """A predicted staircase.
 
@@ -403,9 +407,22 @@ class StaircaseForecast(NoisyLoop):
     ((), 8.0)
     """
 
-    log10_residences: tuple[Estimate | None, ...]
-    steps: Steps
-    comparison: StepComparison
+    @cached_property
+    def log10_residences(self) -> tuple[Estimate | None, ...]:
+        """Of each zone of the prediction, log10 of its mean residence in cycles; None where it
+        could not be certified.
+        """
+        return tuple(_log10_residence(self, zone) for zone in self.prediction.zones)
+
+    @cached_property
+    def steps(self) -> Steps:
+        """The dwells and steps found in the run."""
+        return find_steps(self.staircase.theta)
+
+    @cached_property
+    def comparison(self) -> StepComparison:
+        """These steps beside the prediction, of the fresh surface."""
+        return compare_steps(self.steps, self.prediction)
 
 
 def staircase_forecast(
@@ -459,15 +476,7 @@ def staircase_forecast(
     >>> round(float(forecast.log10_residences[0]), 1)
     7.6
     """
-    report = progress or unheard
-    noisy = _noisy_loop(loop, sigma, cycles, start, seed, tolerance, report)
-    residences = tuple(_log10_residence(noisy, zone) for zone in noisy.prediction.zones)
-    steps = find_steps(noisy.staircase.theta)
-    comparison = compare_steps(steps, noisy.prediction)
-    report(1.0)
-    return StaircaseForecast(
-        **vars(noisy), log10_residences=residences, steps=steps, comparison=comparison
-    )
+    return _run(StaircaseForecast, loop, sigma, cycles, start, seed, tolerance, progress)
 
 
 def _log10_residence(noisy: NoisyLoop, zone: SlowZone) -> Estimate | None:

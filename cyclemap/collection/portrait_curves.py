@@ -1,11 +1,10 @@
-"""What a portrait shows, ready to draw: its curves and its cycle."""
+"""The curves of a portrait, ready to draw."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene
 from cyclemap.collection.portrait import FULL_TURN, Portrait
 from cyclemap.maps import CircleMap, transfer_operator
 
@@ -58,7 +57,7 @@ class Cobweb:
 
 @dataclass(frozen=True, eq=False)
 class PortraitCurves:
-    """All that is drawn of a portrait.
+    """The curves that are drawn of a portrait.
 
     density_theta, density : (n,) rad and (n,) per rad; where the surface wears, the mean over the
         run of the densities that the surface of each of some cycles would lead to.
@@ -68,7 +67,6 @@ class PortraitCurves:
     cobweb: Cobweb
     density_theta: Array
     density: Array
-    scene: CycleScene
 
 
 def portrait_curves(portrait: Portrait) -> PortraitCurves:
@@ -83,8 +81,7 @@ def portrait_curves(portrait: Portrait) -> PortraitCurves:
         density = np.mean(
             [transfer_operator(worn, portrait.noise).density(theta) for worn in maps], axis=0
         )
-    scene = portrait.cycle.scene()
-    return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density, scene)
+    return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density)
 
 
 def turn_curve(cycle_map: CircleMap) -> TurnCurve:

@@ -201,7 +201,7 @@ def direction_uncertainty(
     error = math.inf
     if all(linear[index].size == full[index].size for index in judges):
         error = max((float(np.abs(away).min(axis=1).max()) for away in off), default=0.0)
-    widths = [one.upper - one.lower for one in intervals]
+    widths = [interval.upper - interval.lower for interval in intervals]
     method = FIRST_ORDER
     if error > max(_LEAST, _SHARE * min(widths, default=0.0)):
         rest = [index for index in range(len(loops)) if index not in full]
@@ -211,7 +211,7 @@ def direction_uncertainty(
         method = SAMPLES
         intervals = _intervals(nominal, linear)
     report(1.0)
-    locks = sum(one.size > 0 for one in linear)
+    locks = sum(points.size > 0 for points in linear)
     return DirectionUncertainty("posterior", method, len(loops), locks, intervals, error)
 
 

@@ -74,22 +74,24 @@ if TYPE_CHECKING:
         dataset_sliders as dataset_sliders,
         replay_pushes as replay_pushes,
     )
-    from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks as collected_blocks
-    from cyclemap.evidence.data_blocks.force_blocks import (
+    from cyclemap.evidence.identification.collected_blocks import (
+        collected_blocks as collected_blocks,
+    )
+    from cyclemap.evidence.identification.data_block import DataBlock as DataBlock
+    from cyclemap.evidence.identification.force_blocks import (
         WrenchTwists as WrenchTwists,
         friction_ellipse_from_scans as friction_ellipse_from_scans,
         friction_scan_block as friction_scan_block,
         wrench_twist_block as wrench_twist_block,
     )
-    from cyclemap.evidence.data_blocks.stroke_block import (
-        cycle_pair_block as cycle_pair_block,
-        drag_turn_block as drag_turn_block,
-        push_end_block as push_end_block,
-    )
-    from cyclemap.evidence.identification.data_block import DataBlock as DataBlock
     from cyclemap.evidence.identification.identify import (
         Identification as Identification,
         identify as identify,
+    )
+    from cyclemap.evidence.identification.stroke_block import (
+        cycle_pair_block as cycle_pair_block,
+        drag_turn_block as drag_turn_block,
+        push_end_block as push_end_block,
     )
     from cyclemap.evidence.identification.surface_parameters import (
         Parameter as Parameter,
@@ -150,7 +152,7 @@ if TYPE_CHECKING:
         measured_plan as measured_plan,
         table_to_fill as table_to_fill,
     )
-    from cyclemap.evidence.push_plan.plan_pushes import (
+    from cyclemap.evidence.plan_pushes import (
         PushPlan as PushPlan,
         plan_pushes as plan_pushes,
     )

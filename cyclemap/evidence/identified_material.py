@@ -5,7 +5,7 @@ material.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from typing import TypeVar
@@ -15,13 +15,14 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identification.identify import Identification, NamedInterval
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PACE_NAMES,
     PLATE_NAMES,
     SURFACE,
     SurfaceParameters,
+    Values,
     floor_field,
     owned_shapes,
     worn_share,
@@ -41,8 +42,10 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.foundation import FLAT
 from cyclemap.mechanics.material import (
     FLOOR_SHAPE_KEYS,
+    FOUND_KEYS,
     PLATE_SHAPE_KEYS,
     FloorSession,
+    friction_numbers,
     shape_numbers,
 )
 
@@ -54,34 +57,16 @@ _ALL_AROUND = 0.9
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
 _BAND_DRAWS = 200
 POSTERIOR_SAMPLES = 200
-# Keys of a material file, what they are here, and the factor to their unit.
-_FOUND_UNITS = {
-    "pusher_mu": ("pusher_friction", 1.0),
-    "pin_friction_mm": ("pin_friction_radius", 1e3),
-}
-WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 
 @dataclass(frozen=True)
-class Derived:
-    """One quantity: its value and interval.
-
-    unit : `1`, `kPa` or `rad`; angles are on the lift nearest to the value.
+class Derived(NamedInterval):
+    """What follows from identified parameters; see `NamedInterval`.
 
     known : whether the data tell it; a direction that may be any is not.
     """
 
-    name: str
-    description: str
-    unit: str
-    value: float
-    lower: float
-    upper: float
     known: bool = True
-
-
-def _floor(surface: SurfaceParameters) -> SurfaceShape:
-    return owned_shapes(surface.values(), FLOOR_NAMES)[""]
 
 
 # Names, what they are, of which parameters (by their beginning), unit, period of an angle, least
@@ -141,7 +126,7 @@ _QUANTITIES: tuple[
         "kPa",
         0.0,
         0.0,
-        lambda at: _floor(at).bow,
+        lambda at: at.floor.bow,
     ),
     (
         "floor_axis",
@@ -150,13 +135,13 @@ _QUANTITIES: tuple[
         "rad",
         math.pi,
         0.0,
-        lambda at: _floor(at).axis,
+        lambda at: at.floor.axis,
     ),
 )
 
 
 def sampled_values(
-    found: Identification, count: int = DRAWS, seed: int = 0
+    identified: Identification, count: int = DRAWS, seed: int = 0
 ) -> tuple[dict[str, float], ...]:
     """Return values of all parameters drawn from the uncertainty of an identification, each a
     possible truth.
@@ -166,38 +151,43 @@ def sampled_values(
     friction ellipse are left out.
     """
     whole_number("draws", count, least=1)
-    errors = found.uncertainty
-    space = found.problem.space
-    spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
-    spread /= student_quantile(found.level, 1e9)
+    errors = identified.uncertainty
+    space = identified.problem.space
+    spread = np.array(
+        [student_quantile(identified.level, float(freedom)) for freedom in errors.freedom]
+    )
+    spread /= student_quantile(identified.level, 1e9)
     size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
     squares, vectors = np.linalg.eigh(errors.correlation)
     root = vectors * np.sqrt(np.maximum(squares, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
     drawn = []
-    for vector in np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper):
-        values = found.problem.values(vector)
+    for vector in np.clip(identified.fit.vector + draws * size * spread, space.lower, space.upper):
+        values = identified.problem.values(vector)
         with suppress(InvalidInput):
-            SurfaceParameters.from_values(values).to_friction()
-            worn_friction_of(values)
+            for surface in (SurfaceParameters.from_values(values), worn_surface(values)):
+                if surface is not None:
+                    surface.to_friction()
             drawn.append(values)
     return tuple(drawn)
 
 
 def derived_quantities(
-    found: Identification, draws: int = DRAWS, seed: int = 0
+    identified: Identification, draws: int = DRAWS, seed: int = 0
 ) -> tuple[Derived, ...]:
     """Return directions and sizes of friction ellipse and floor's bow as far as their parameters
     are free.
 
-    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity,
+    Intervals hold the middle share `identified.level` of sampled surfaces. Where a vector (ellipticity,
     offset, bow) may be zero by Hotelling's test, its direction is not known and its size has its
     least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
-    drawn = [SurfaceParameters.from_values(draw) for draw in sampled_values(found, draws, seed)]
-    free = found.problem.space.names
-    best = SurfaceParameters.from_values(found.values)
-    ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
+    drawn = [
+        SurfaceParameters.from_values(draw) for draw in sampled_values(identified, draws, seed)
+    ]
+    free = identified.problem.space.names
+    best = SurfaceParameters.from_values(identified.values)
+    ends = (0.5 - identified.level / 2.0, 0.5 + identified.level / 2.0)
     derived = []
     for name, description, of, unit, period, least, quantity in _QUANTITIES:
         parameters = [parameter for parameter in SURFACE.names if parameter.startswith(of)]
@@ -205,13 +195,13 @@ def derived_quantities(
             continue
         value = quantity(best)
         off = np.array([quantity(surface) for surface in drawn]) - value
-        vanishes = len(parameters) == 2 and _may_vanish(found, [*map(free.index, parameters)])
+        vanishes = len(parameters) == 2 and _may_vanish(identified, [*map(free.index, parameters)])
         if period:
             off = (off + 0.5 * period) % period - 0.5 * period
         lower, upper = (value + np.quantile(off, ends)).tolist()
         known = True
         if period:
-            known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
+            known = upper - lower < _ALL_AROUND * identified.level * period and not vanishes
         else:
             lower = least if vanishes else min(lower, value)
             upper = max(upper, value)
@@ -219,18 +209,18 @@ def derived_quantities(
     return tuple(derived)
 
 
-def _may_vanish(found: Identification, index: list[int]) -> bool:
+def _may_vanish(identified: Identification, index: list[int]) -> bool:
     """Whether the vector of two parameters is within its error of zero: T^2 against
     F(2, freedom)."""
     from scipy.stats import f
 
-    vector = found.fit.vector[index]
-    errors = found.uncertainty
+    vector = identified.fit.vector[index]
+    errors = identified.uncertainty
     covariance = errors.covariance[np.ix_(index, index)]
     if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
         return True
     size = float(vector @ np.linalg.solve(covariance, vector)) / 2.0
-    return bool(size < f.ppf(found.level, 2, float(np.min(errors.freedom[index]))))
+    return bool(size < f.ppf(identified.level, 2, float(np.min(errors.freedom[index]))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,67 +267,65 @@ class IdentifiedCurves:
 
 
 def identified_curves(
-    found: Identification, scans: Array | None = None, seed: int = 0
+    identified: Identification, scans: Array | None = None, seed: int = 0
 ) -> IdentifiedCurves:
     """Compute what is drawn of an identification; `scans` : (s, 2) tractions
     of its friction scans."""
-    worn = worn_friction_of(found.values)
+    worn = worn_surface(identified.values)
     samples = []
-    for values in sampled_values(found, _BAND_DRAWS, seed):
+    for values in sampled_values(identified, _BAND_DRAWS, seed):
         samples.append(_outline(SurfaceParameters.from_values(values).to_friction()))
     strokes = []
     cycles = []
-    for index, block in enumerate(found.problem.blocks):
+    for index, block in enumerate(identified.problem.blocks):
         if block.motions is None:
             continue
         theta, turn = block.motions.T
         if block.curve is None:
             # Each stroke's last row is its turn, those before its place.
-            errors = found.fit.residuals[found.problem.block_index == index]
+            errors = identified.fit.residuals[identified.problem.block_index == index]
             *place, off = errors.reshape(turn.size, -1).T
             ends = np.stack(place, -1) if place else None
             strokes.append(StrokeFit(block.name, turn, turn + off, ends))
         else:
-            values = block.own_values(found.values)
+            values = block.own_values(identified.values)
             wears = any(name.startswith("worn_") for name in block.parameters)
             late = block.curve(values, _AROUND, True) if wears else None
             fitted = block.curve(values, _AROUND, False)
             cycles.append(CycleFit(block.name, theta, turn, _AROUND, fitted, late))
     return IdentifiedCurves(
-        _outline(found.friction()),
-        None if worn is None else _outline(worn),
+        _outline(identified.friction()),
+        None if worn is None else _outline(worn.to_friction()),
         np.reshape(samples, (-1, _AROUND.size, 2)),
         scans,
-        "friction_scale" in found.problem.space.names,
+        "friction_scale" in identified.problem.space.names,
         tuple(strokes),
         tuple(cycles),
     )
 
 
-def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
-    """Return the friction at the end of data that were let wear, by the values of all parameters;
+def worn_surface(values: Values) -> SurfaceParameters | None:
+    """Return the surface at the end of data that were let wear, by the values of all parameters;
     else None.
     """
-    worn = {
-        name.removeprefix("worn_"): value
-        for name, value in values.items()
-        if name.startswith("worn_")
-    }
-    return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
+    worn = {}
+    for name, value in values.items():
+        if name.startswith("worn_"):
+            worn[name.removeprefix("worn_")] = value
+    return SurfaceParameters.from_values({**values, **worn}) if worn else None
 
 
-def _worn_floor(found: Identification) -> SurfaceShape:
+def _worn_floor(identified: Identification, worn: SurfaceShape) -> SurfaceShape:
     """Return the floor's mean shape, changed as the session of the cycles was changed by wear."""
-    worn = owned_shapes(found.values, WORN_FLOOR)[""]
-    for block in found.problem.blocks:
-        for session, fresh in found.floors.items():
+    for block in identified.problem.blocks:
+        for session, fresh in identified.floors.items():
             if {PACE_NAMES[0], f"floor_dome[{session}]"} <= {*block.parameters}:
-                bend = found.floors[""].bend + worn.bend - fresh.bend
+                bend = identified.floors[""].bend + worn.bend - fresh.bend
                 return SurfaceShape.of_bend(*bend.tolist())
     return worn
 
 
-def _course(values: Mapping[str, float], last_cycle: float) -> tuple[tuple[float, float], ...]:
+def _course(values: Values, last_cycle: float) -> tuple[tuple[float, float], ...]:
     """How much of the wear is done after some cycles, as `Wear` takes it."""
     pace = [values[name] for name in PACE_NAMES if name in values]
     elapsed = np.arange(1, len(pace)) / max(len(pace), 1)
@@ -353,7 +341,7 @@ def _outline(law: EllipseFriction) -> Array:
 
 
 def identified_material(
-    found: Identification,
+    identified: Identification,
     name: str,
     sources: Sequence[str] = (),
     last_cycle: float = 0.0,
@@ -364,7 +352,7 @@ def identified_material(
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         What was identified.
     name : str
         That of the material, not empty.
@@ -401,29 +389,36 @@ def identified_material(
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
-    asked = {name.partition("[")[0] for block in found.problem.blocks for name in block.parameters}
-    rod_and_ring = {
-        field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked
+    asked = {
+        name.partition("[")[0] for block in identified.problem.blocks for name in block.parameters
     }
-    worn = worn_friction_of(found.values)
+    rod_and_ring = {
+        field.name: identified.values[field.name]
+        for field in fields(FoundWith)
+        if field.name in asked
+    }
+    worn = worn_surface(identified.values)
     shifts = dict[str, list[float]]()
-    for key, value in found.values.items():
+    for key, value in identified.values.items():
         if key.startswith("tip_offset_"):
             axis, _, owner = key.removeprefix("tip_offset_").partition("[")
             shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
-    floors = found.floors
-    before = Material(name, found.friction()) if floor is None else floor
-    plates = [PlatePressure(owner or plate, shape=shape) for owner, shape in found.plates.items()]
+    floors = identified.floors
+    before = Material(name, identified.friction()) if floor is None else floor
+    plates = [
+        PlatePressure(owner or plate, shape=shape) for owner, shape in identified.plates.items()
+    ]
     sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
     frames = [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
     wear = None
     if worn is not None and last_cycle > 0.0:
-        wear = Wear(worn, last_cycle, _course(found.values, last_cycle), _worn_floor(found))
+        course = _course(identified.values, last_cycle)
+        wear = Wear(worn.to_friction(), last_cycle, course, _worn_floor(identified, worn.floor))
     material = Material(
         name,
-        found.friction(),
-        provenance_words(found, sources),
-        misfit_words(found),
+        identified.friction(),
+        provenance_words(identified, sources),
+        misfit_words(identified),
         inferred=True,
         found_with=replace(before.found_with, **rod_and_ring),
         plates=_joined(
@@ -434,10 +429,10 @@ def identified_material(
         noise=before.noise,
         floor=floors.get("", FLAT),
         sessions=_joined(before.sessions, sessions, "name"),
-        session_spread=found.session_spread,
-        field=floor_field(found.values),
+        session_spread=identified.session_spread,
+        field=floor_field(identified.values),
     )
-    return replace(material, posterior=_posterior(found, material, plate, before.posterior))
+    return replace(material, posterior=_posterior(identified, material, plate, before.posterior))
 
 
 def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:
@@ -449,7 +444,7 @@ def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:
 
 
 def _posterior(
-    found: Identification, material: Material, plate: str, before: MaterialPosterior | None
+    identified: Identification, material: Material, plate: str, before: MaterialPosterior | None
 ) -> MaterialPosterior | None:
     """Samples of what the data allow in a new session, in the names and units of a material file.
 
@@ -457,21 +452,21 @@ def _posterior(
     """
     rows = list[dict[str, float]]()
     rng = np.random.default_rng(0)
-    for index, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
-        row = _ellipse(SurfaceParameters.from_values(values).to_friction())
-        worn = worn_friction_of(values)
+    for index, values in enumerate(sampled_values(identified, POSTERIOR_SAMPLES)):
+        row = friction_numbers(SurfaceParameters.from_values(values).to_friction())
+        worn = worn_surface(values)
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
-        off = rng.standard_normal(3) * found.session_spread
+        off = rng.standard_normal(3) * identified.session_spread
         floors = owned_shapes(values, FLOOR_NAMES)
         if "" in floors:
             row |= shape_numbers(SurfaceShape.of_bend(*(floors[""].bend + off)), FLOOR_SHAPE_KEYS)
         if material.wear is not None and worn is not None:
-            shape = SurfaceShape.of_bend(*(owned_shapes(values, WORN_FLOOR)[""].bend + off))
-            late = _ellipse(worn) | shape_numbers(shape, FLOOR_SHAPE_KEYS)
+            shape = SurfaceShape.of_bend(*(worn.floor.bend + off))
+            late = friction_numbers(worn.to_friction()) | shape_numbers(shape, FLOOR_SHAPE_KEYS)
             row |= {f"worn.{key}": value for key, value in late.items()}
-        for key, (name, factor) in _FOUND_UNITS.items():
+        for key, (name, unit) in FOUND_KEYS.items():
             if name in values and getattr(material.found_with, name) is not None:
-                row[key] = factor * values[name]
+                row[key] = values[name] / unit
         for owner, shape in owned_shapes(values, PLATE_NAMES).items():
             for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items():
                 row[f"{owner or plate}.{key}"] = size
@@ -480,16 +475,9 @@ def _posterior(
             kept = {
                 key: value
                 for key, value in known
-                if key in _FOUND_UNITS or material.pressure_of(key.partition(".")[0])
+                if key in FOUND_KEYS or material.pressure_of(key.partition(".")[0])
             }
             row = kept | row
         rows.append(row)
     rounded = tuple(tuple(float(f"{value:.6g}") for value in row.values()) for row in rows)
     return MaterialPosterior(tuple(rows[0]), rounded) if len(rows) > 1 else None
-
-
-def _ellipse(law: EllipseFriction) -> dict[str, float]:
-    return {
-        **{key: getattr(law, key) for key in ("mu_a", "mu_b", "m0", "n0")},
-        "phi_deg": math.degrees(law.phi),
-    }

@@ -6,14 +6,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from cyclemap.evidence.identification.data_block import BELIEF_KINDS
+from cyclemap.evidence.identification.data_block import BELIEF_KINDS, Beliefs
 from cyclemap.evidence.identification.identify import Identification, KindErrors
-from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Unit
+from cyclemap.written import NUMBER, Unit, readable_unit
 
-# What people are told SI units in.
-_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
 # Means of errors, by what is said before them.
 _MOMENTS = {"": "mean", "left out ": "left_out_mean", "isotropic ": "isotropic_mean"}
 # An identification that misses more than isotropic friction, by this factor, has found nothing of
@@ -30,28 +28,28 @@ MOST_RATIO = 3.0
 _FEWEST = 6
 
 
-def provenance_words(found: Identification, sources: Sequence[str]) -> str:
+def provenance_words(identified: Identification, sources: Sequence[str]) -> str:
     """Return where the numbers come from, in one paragraph."""
-    blocks = [block for block in found.problem.blocks if not {*block.kinds} & {*BELIEF_KINDS}]
+    blocks = [block for block in identified.problem.blocks if not {*block.kinds} & {*BELIEF_KINDS}]
     data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
     origin = f" in {', '.join(sources)}" if sources else ""
     estimates = []
-    for row in found.lasting:
-        unit = readable_unit(row.unit)
-        value, lower, upper = (
-            f"{round(unit.of_si(size), 6):.4g}" for size in (row.value, row.lower, row.upper)
-        )
+    for row in identified.lasting:
+        unit, *sizes = row.readable
+        value, lower, upper = (f"{round(size, 6):.4g}" for size in sizes)
         interval = f"{value} ({lower} to {upper}){unit.sign}"
         estimates.append(f"{row.name} {interval if row.identifiable else 'not identifiable'}")
     free = "; ".join(estimates)
-    text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
-    if found.priors:
-        text += f"; believed beforehand, in SI units: {belief_words(found.priors)}"
-    held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
+    text = f"inferred from {data}{origin}: {free}, intervals of {100 * identified.level:g} %"
+    if identified.priors:
+        text += f"; believed beforehand, in SI units: {belief_words(identified.priors)}"
+    held = "; ".join(
+        f"{name} {value:.4g}" for name, value in sorted(identified.problem.fixed.items())
+    )
     return text + (f"; held: {held}" if held else "")
 
 
-def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
+def belief_words(beliefs: Beliefs) -> str:
     """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions
     are told once.
 
@@ -70,14 +68,14 @@ def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
     return ", ".join(words)
 
 
-def misfit_words(found: Identification) -> str:
+def misfit_words(identified: Identification) -> str:
     """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks
     their ranges.
     """
     sentences = []
-    for written in dict.fromkeys(row.kind for row in found.errors):
+    for written in dict.fromkeys(row.kind for row in identified.errors):
         kind, unit = readable_kind(written)
-        alike = [row for row in found.errors if row.kind == written]
+        alike = [row for row in identified.errors if row.kind == written]
         groups = {f"{row.block}, {kind}": [row] for row in alike}
         if len(alike) > 2:
             groups = {f"{kind} in {len(alike)} blocks": alike}
@@ -104,25 +102,20 @@ def readable_kind(kind: str) -> tuple[str, Unit]:
     return (kind, NUMBER) if match is None else (match[1], readable_unit(match[2]))
 
 
-def readable_unit(unit: str) -> Unit:
-    """Return the unit that people are told numbers of an SI unit in."""
-    return _READABLE.get(unit, Unit(unit, float))
-
-
-def implausible(found: Identification, reach: float) -> tuple[str, ...]:
+def implausible(identified: Identification, reach: float) -> tuple[str, ...]:
     """Return what speaks against an identification, in words; nothing where it may be right.
 
     reach : m, of the object from its origin.
     """
-    errors = [off for off in found.errors if off.rows >= _FEWEST]
+    errors = [off for off in identified.errors if off.rows >= _FEWEST]
     doubts = [words for off in errors for words in _lost(off, reach)]
     beside = [off for off in errors if math.isfinite(off.isotropic_median)]
     if beside and all(off.median > _WORSE * off.isotropic_median for off in beside):
         for off in beside:
             isotropic = _size(off, off.isotropic_median)
             doubts.append(f"{_named(off)}, more than isotropic friction's {isotropic}")
-    for row in found.estimates:
-        value, deviation = found.priors.get(row.name, (row.value, math.inf))
+    for row in identified.estimates:
+        value, deviation = identified.priors.get(row.name, (row.value, math.inf))
         is_shape = row.name.startswith(("ellipticity", "offset"))
         is_beyond = abs(row.value - value) > _BEYOND_BELIEF * deviation
         if is_shape and row.identifiable and is_beyond:
@@ -130,9 +123,9 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
                 f"{row.name} is {row.value:.3g}, where {value:.3g} ± {deviation:.2g} is usual "
                 "(--no-priors believes anything)"
             )
-    law = found.friction()
+    law = identified.friction()
     low, high = sorted((law.mu_a, law.mu_b))
-    if high > MOST_RATIO * low and any(row.identifiable for row in found.estimates):
+    if high > MOST_RATIO * low and any(row.identifiable for row in identified.estimates):
         doubts.append(
             f"axes of friction {high / low:.3g} : 1 long; no floor that was measured has them "
             "beyond 1.7 : 1"

@@ -11,13 +11,12 @@ from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, identify_collected
+from cyclemap.evidence.identification.collected_blocks import collected_blocks
 from cyclemap.evidence.identification.identify import Identification
-from cyclemap.evidence.identification.known_floor import known_shapes
+from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
-from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush
-from cyclemap.evidence.push_plan.plan_pushes import PushPlan
+from cyclemap.evidence.plan_pushes import APPROACH, PushPlan, SetPush
 from cyclemap.evidence.tables.planned_table import (
     ERRORS,
     IN_OBJECT,
@@ -90,10 +89,10 @@ def empty_table(
     empty += [] if by == "corners" else [*ROD]
     marks = [MM * coordinate for mark in marks_of(loop.slider) for coordinate in mark]
     rows = []
-    for number, planned in enumerate(pushes, 1):
+    for index, planned in enumerate(pushes, 1):
         push = planned.push
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
-        row: list[object] = [number, file_stem(loop.slider.name), push.side, push.fraction]
+        row: list[object] = [index, file_stem(loop.slider.name), push.side, push.fraction]
         row += _rounded([math.degrees(push.angle), MM * push.distance, *_written(planned.start)])
         fixed = [*(MM * place), *way, *marks, MM * read[0], math.degrees(read[1])]
         rows.append([*row, *[None] * len(empty), *_rounded(fixed)])
@@ -109,12 +108,12 @@ def robot_schedule(plan: PushPlan) -> bytes:
     """
     slider = plan.loop.slider
     rows = []
-    for number, planned in enumerate(plan.pushes, 1):
+    for index, planned in enumerate(plan.pushes, 1):
         first, last = MM * planned.rod(slider, plan.loop.pusher.radius)
         approach = first - APPROACH * (last - first) / planned.push.distance
         ring = [MM * coordinate for coordinate in planned.start.to_world(*slider.hitch)]
         places = [*approach, *first, *last, *ring]
-        rows.append([number, *_rounded([*_written(planned.start), *places])])
+        rows.append([index, *_rounded([*_written(planned.start), *places])])
     return table_bytes(ROBOT, rows, excel=False)
 
 

@@ -11,23 +11,29 @@ from __future__ import annotations
 import cmath
 import math
 import warnings
-from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from cyclemap.arrays import Array, Mask, evenly_spread, shorter_way
+from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_motions, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.tables.columns import DEGREE, LENGTH_UNITS, RODS
-from cyclemap.evidence.tables.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, QuasiStaticModel, Slider, load_material
+from cyclemap.evidence.tables.conventions import (
+    ANGLES,
+    FRAMES,
+    OFFSET,
+    OURS,
+    RIGHT_HANDED,
+    Convention,
+)
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider, load_material
 from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
@@ -38,6 +44,8 @@ if TYPE_CHECKING:
 # 60 to 200 mm.
 _BEATEN = 0.5
 _BEATEN_UNIT = 0.3
+# The share of pushes that have to agree.
+_MOST_AGREE = 0.7
 # Of readings within this factor and distance (m) of the best the simplest is named.
 _HARDLY = 1.4
 _NOTHING = 5e-4
@@ -67,37 +75,26 @@ _SCALED = 0.1
 # No point of an object lies further from its origin than so many of its levers.
 _WITHIN = 2.2
 _TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
+_LENGTHS = {a / b for a, b in product(LENGTH_UNITS.values(), LENGTH_UNITS.values())}
 _BY_ROD = (
     "; sides, fractions and angles that are told are passed over: the rod's places are elsewhere"
 )
 _POSES = ["x0", "y0", "theta0", "x1", "y1", "dtheta"]
 _CONTACT = ["side", "fraction", "angle"]
+# Abscissas of the object before and after, and of the rod; their ordinates.
+_X = ["x0", "x1", "tip_x0", "tip_x1"]
+_Y = ["y0", "y1", "tip_y0", "tip_y1"]
+# All conventions that have a name, those that change least first.
+_CONVENTIONS = sorted(
+    (Convention(angles, frame) for angles, frame in product(ANGLES, FRAMES)),
+    key=lambda way: (way.angles != "counter-clockwise") + (way.frame != RIGHT_HANDED),
+)
 
 
 class OtherConvention(InvalidInput):
     """Data whose motions another reading explains far better: the message has the words that mend
     it.
     """
-
-
-@dataclass(frozen=True)
-class MotionCheck:
-    """How far motions lie from isotropic friction's as they were read.
-
-    Attributes
-    ----------
-    distance : float
-        m, in the median.
-    by_rod : bool
-        Whether the rod's places tell the contacts, against the sides and fractions that are
-        told.
-    words : str
-        For people.
-    """
-
-    distance: float
-    by_rod: bool
-    words: str
 
 
 def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple[str, ...]:
@@ -112,7 +109,7 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         # Nobody knows what pushes of another kind of loop do.
         return ()
     said = list[str]()
-    checks = list[MotionCheck]()
+    checks = list[_Looked]()
     convention = pushes.convention
     followed = pushes.table[pushes.table["theta_next"].notna()]
     if len(followed) and followed["dtheta"].isna().all():
@@ -129,11 +126,11 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
             warnings.warn(doubt, DoubtfulInput, stacklevel=2)
         if loop is None and not rows[["side", "fraction"]].notna().all(axis=None):
             known = None
-        check = check_motion(rows, known, convention, pushes.convention_told)
+        check = _check_motion(rows, known, convention, pushes.convention_told)
         checks += [] if check is None else [check]
     if len(checks) <= _MOST_TOLD:
-        return tuple(dict.fromkeys((*said, *(check.words for check in checks))))
-    distances = [1e3 * check.distance for check in checks]
+        return tuple(dict.fromkeys((*said, *map(_words, checks))))
+    distances = [1e3 * check.here for check in checks]
     words = (
         f"read with {convention.words()}: pushes of {len(checks)} objects end "
         f"{min(distances):.3g} to {max(distances):.3g} mm off isotropic friction's, in the medians"
@@ -197,48 +194,28 @@ class _Reading:
     length: float = 1.0
     angle: float = 1.0
 
-    def place(self, written: Array) -> Array:
-        """Places as complex numbers in our frame; both ways to lay axes otherwise are their own
-        inverse.
-        """
-        x, y = self.convention.place(written.real, written.imag)
-        return self.length * (x + 1j * y)
-
 
 @dataclass(frozen=True, eq=False)
 class _Written:
-    """Pushes as they are written: places, displacements, first and last places of the rod as
-    complex numbers, angles and turns; m and rad as read.
+    """Pushes as they are written, m and rad as read.
 
     rows : of the table, for what is no motion.
-    tips : (n, 2), NaN where unknown.
+    places : (n, 4), complex: of the object before and after, and of the rod; NaN where unknown.
+    angle, turn : (n,), the object's before, and by how much it changes.
     """
 
     rows: pandas.DataFrame
-    place: Array
+    places: Array
     angle: Array
-    moved: Array
     turn: Array
-    tips: Array
 
     @classmethod
     def of(cls, rows: pandas.DataFrame, convention: Convention) -> _Written:
-        x0, y0, theta, x1, y1, turn = rows[_POSES].to_numpy(dtype=float).T
-        ends = rows[[*RODS]].to_numpy(dtype=float)
-        ours = _Reading(convention)
-        return cls(
-            rows,
-            ours.place(x0 + 1j * y0),
-            convention.sense * (theta - convention.theta(0.0)),
-            ours.place(x1 - x0 + 1j * (y1 - y0)),
-            convention.sense * turn,
-            ours.place(ends[:, ::2] + 1j * ends[:, 1::2]),
-        )
-
-    @property
-    def count(self) -> int:
-        """How many pushes."""
-        return len(self.rows)
+        # Both ways to lay axes otherwise are their own inverse.
+        x, y = convention.place(*(rows[names].to_numpy(dtype=float) for names in (_X, _Y)))
+        theta, turn = rows[["theta0", "dtheta"]].to_numpy(dtype=float).T
+        angle = convention.sense * (theta - convention.theta(0.0))
+        return cls(rows, x + 1j * y, angle, convention.sense * turn)
 
     @property
     def is_spread(self) -> bool:
@@ -248,24 +225,25 @@ class _Written:
     @property
     def has_tips(self) -> bool:
         """Whether it is known of every push where the rod went."""
-        return bool((np.abs(self.tips[:, 1] - self.tips[:, 0]) > 0.0).all())
+        return bool((np.abs(self.places[:, 3] - self.places[:, 2]) > 0.0).all())
 
-    def where(self, kept: Mask) -> _Written:
-        """Some of the pushes."""
-        arrays = (self.place, self.angle, self.moved, self.turn, self.tips)
-        return _Written(self.rows[kept], *(values[kept] for values in arrays))
-
-    def read(self, reading: _Reading) -> tuple[Array, Array, Array]:
-        """Orientations, displacements in the object's frame before the push, and turns."""
+    def read(self, reading: _Reading) -> tuple[Array, Array]:
+        """Where the object is after the push, and the rod before and after, (n, 3) in the object's
+        frame before it; and turns (n,).
+        """
+        x, y = reading.convention.place(self.places.real, self.places.imag)
+        place = reading.length * (x + 1j * y)
         theta = reading.convention.theta(reading.angle * self.angle)
-        motion = reading.place(self.moved) * np.exp(-1j * theta)
-        return theta, motion, reading.convention.sense * reading.angle * self.turn
+        own = (place[:, 1:] - place[:, :1]) * np.exp(-1j * theta)[:, None]
+        return own, reading.convention.sense * reading.angle * self.turn
 
 
 @dataclass(frozen=True, eq=False)
 class _Looked:
     """How far off (m, in the median) the reading taken is and the next best, which that is, and
     others that are as good.
+
+    by_rod : whether the rod's places tell the contacts, against the sides and fractions told.
     """
 
     test: _Test
@@ -274,16 +252,17 @@ class _Looked:
     best: float
     other: _Reading
     twins: list[_Reading]
+    by_rod: bool = False
 
     @classmethod
-    def at(cls, test: _Test, taken: _Reading) -> _Looked:
+    def at(cls, test: _Test, taken: _Reading, by_rod: bool = False) -> _Looked:
         others = [(test.distance(reading), reading) for reading in test.readings(taken)]
         enough = _HARDLY * min((distance for distance, _ in others), default=math.inf) + _NOTHING
         # They come by how much they change: the first that is hardly worse than the best is taken.
         best, other = next((near for near in others if near[0] <= enough), (math.inf, taken))
         enough = _HARDLY * best + _NOTHING
         twins = [reading for distance, reading in others if reading != other and distance <= enough]
-        return cls(test, taken, test.distance(taken), best, other, twins)
+        return cls(test, taken, test.distance(taken), best, other, twins, by_rod)
 
     @property
     def is_turned(self) -> bool:
@@ -291,28 +270,27 @@ class _Looked:
         return self.other.convention.offset != self.taken.convention.offset
 
     def explains(self, moved: float) -> bool:
-        """Whether the other reading explains motions, of size `moved` (m), far better."""
+        """Whether the other reading explains motions, of size `moved` (m), far better, and most
+        pushes agree.
+        """
         other = self.other
-        here = self.here
         limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
         most = (_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length * moved
-        far_better = self.best <= min(limit * here, most) and here > _WELL * moved
-        return far_better and self.test.closer(other, self.taken)
+        if self.best > min(limit * self.here, most) or self.here <= _WELL * moved:
+            return False
+        closer = self.test.distances(other) < self.test.distances(self.taken)
+        return float(np.mean(closer)) > _MOST_AGREE
 
 
-def check_motion(
-    table: pandas.DataFrame,
-    loop: CollectionLoop | None,
-    convention: Convention = OURS,
-    is_told: bool = False,
-) -> MotionCheck | None:
+def _check_motion(
+    table: pandas.DataFrame, loop: CollectionLoop | None, convention: Convention, is_told: bool
+) -> _Looked | None:
     """Test the reading of pushes, rows of `PushTable.table`, against their motions; None where
     these cannot tell.
 
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
         own frame, which tells whether angles and axes turn the same way, not which way that is.
-    convention : in which the table was read.
-    is_told : whether somebody said it, who is then warned, not refused.
+    is_told : whether somebody said the convention, who is then warned, not refused.
 
     Raises OtherConvention where another reading explains the motions far better, with the options
     that say it.
@@ -320,75 +298,59 @@ def check_motion(
     rows = table[np.isfinite(table[_POSES].astype(float)).all(axis=1)]
     if len(rows) < FEWEST:
         return None
-    written = _Written.of(rows.iloc[evenly_spread(len(rows), _MOST)], convention)
-    test = _alike(written) if loop is None else _prediction(written, loop)
-    if test is None or test.written.count < FEWEST:
+    rows = rows.iloc[evenly_spread(len(rows), _MOST)]
+    test = _alike(rows, convention) if loop is None else _prediction(rows, convention, loop)
+    if test is None or len(test.written.rows) < FEWEST:
         return None
-    moved = float(np.median(np.hypot(np.abs(written.moved), test.lever * written.turn)))
     looked = _Looked.at(test, _Reading(convention))
-    by_rod = False
-    if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
-        looked, by_rod = _by_rod(looked, written, loop)
-    off_centre = looked.test.off_centre(
-        looked.taken, min(_BEATEN * looked.here, looked.best), moved
-    )
+    own, turn = test.written.read(looked.taken)
+    moved = float(np.median(np.hypot(np.abs(own[:, 0]), test.lever * turn)))
+    if isinstance(test, _Predicted) and looked.here > _EXPLAINS * moved and test.written.has_tips:
+        # What the rod's places explain, and the contacts that are told do not, was not pushed
+        # there. A zero of angles that is free to be anything explains pushes that are alike,
+        # wherever they were made.
+        share = 1.0 if looked.is_turned else _BEATEN
+        by_tips = _WithTips(test.written, test.lever, test.loop)
+        of_rod = _Looked.at(by_tips, looked.taken, by_rod=True)
+        if min(of_rod.here, of_rod.best) < share * min(looked.here, looked.best):
+            looked = of_rod
+    off_centre = looked.test.off_centre(looked, moved)
     if looked.explains(moved) or off_centre:
         line = off_centre or _refusal(looked)
         if not is_told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
-    elif loop is not None and looked.test.lengths_known:
-        _doubt_far(looked, max(_FAR * moved, looked.test.lever))
-    return MotionCheck(looked.here, by_rod, _words(looked) + by_rod * _BY_ROD)
-
-
-def _by_rod(looked: _Looked, written: _Written, loop: CollectionLoop) -> tuple[_Looked, bool]:
-    """What the rod's places explain, and the contacts that are told do not, was not pushed
-    there.
-    """
-    if not written.has_tips:
-        return looked, False
-    of_rod = _Looked.at(_WithTips.on(written, _plain(loop)), looked.taken)
-    # A zero of angles that is free to be anything explains pushes that are alike, wherever they
-    # were made.
-    share = 1.0 if looked.is_turned else _BEATEN
-    if min(of_rod.here, of_rod.best) < share * min(looked.here, looked.best):
-        return of_rod, True
-    return looked, False
-
-
-def _doubt_far(looked: _Looked, limit: float) -> None:
-    """Warn where no reading comes nearer than `limit`, m."""
-    if min(looked.here, looked.best) > limit:
-        doubt = (
-            f"{looked.test.what} {1e3 * looked.here:.3g} mm off in the median, and not less than "
-            f"{1e3 * looked.best:.3g} mm in any reading: are object, push and units those of the "
-            "data?"
-        )
-        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
+    elif min(looked.here, looked.best) > max(_FAR * moved, looked.test.lever):
+        looked.test.doubt(looked)
+    return looked
 
 
 def _refusal(looked: _Looked) -> str:
     """What is wrong, and the words that mend it."""
     test = looked.test
-    other = looked.other.convention
+    reading = looked.other
     taken = looked.taken.convention
-    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.written.count} pushes"
+    count = len(test.written.rows)
+    other = reading.convention
+    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {count} pushes"
     nearer = f"{1e3 * looked.best:.3g} mm"
-    scale = looked.other.length
-    if looked.other.angle == 1.0 and _is_no_unit(scale):
-        also = f", with {other.options(taken)}" if other != taken else ""
+    options = other.options(taken)
+    if reading.angle == 1.0 and _is_no_unit(reading.length):
+        also = f", with {options}" if other != taken else ""
         return (
-            f"{off}; were its lengths {scale:.3g} times as long{also}, {nearer}: are they pixels? "
-            "Multiply them by the length of one first"
+            f"{off}; were its lengths {reading.length:.3g} times as long{also}, {nearer}: are they "
+            "pixels? Multiply them by the length of one first"
         )
-    if scale != 1.0 or looked.other.angle != 1.0:
-        unit, kind = _unit(looked.other)
-        also = f" {other.options(taken)}" if other != taken else ""
+    if reading.length != 1.0 or reading.angle != 1.0:
+        unit, kind = _unit(reading)
+        also = f" {options}" if other != taken else ""
         return f"{off}; were its {kind} in {unit}, {nearer}: give --units {unit}{also}"
     also = test.alternative(looked.taken)
-    changed = ", ".join(_keys(other, taken))
-    mend = f"give {other.options(taken)}{also} (in collection.toml: [data] {changed})"
+    changed = ", ".join(
+        f"{key} = {value}" if key == OFFSET else f'{key} = "{value}"'
+        for key, value in other.changes(taken).items()
+    )
+    mend = f"give {options}{also} (in collection.toml: [data] {changed})"
     named = [
         twin.convention.options(taken)
         for twin in looked.twins
@@ -397,15 +359,6 @@ def _refusal(looked: _Looked) -> str:
     if named and not also:
         mend += f"; or, which turns the world's frame against that, {' or '.join(named[:2])}"
     return f"{off}, read with {taken.words()}; with {other.words()}, {nearer}: {mend}"
-
-
-def _keys(convention: Convention, taken: Convention) -> Iterator[str]:
-    if convention.angles != taken.angles:
-        yield f'angles = "{convention.angles}"'
-    if convention.frame != taken.frame:
-        yield f'frame = "{convention.frame}"'
-    if convention.offset != taken.offset:
-        yield f"offset_deg = {math.degrees(convention.offset):.6g}"
 
 
 def _unit(reading: _Reading) -> tuple[str, str]:
@@ -418,26 +371,20 @@ def _unit(reading: _Reading) -> tuple[str, str]:
 
 def _is_no_unit(scale: float) -> bool:
     """Whether no unit is that many times another."""
-    factors = [a / b for a, b in product(LENGTH_UNITS.values(), LENGTH_UNITS.values())]
-    return min(abs(math.log(scale / factor)) for factor in factors) > _SCALED
+    return min(abs(math.log(scale / factor)) for factor in _LENGTHS) > _SCALED
 
 
 def _words(looked: _Looked) -> str:
+    """What was seen, for people."""
     taken = looked.taken.convention
     other = looked.other.convention
     here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
     words = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
     if looked.best <= looked.here / _BEATEN and other != taken:
-        return f"{words}; motions cannot tell that from {other.words()} ({best}): that is assumed"
-    return f"{words}, {best} in the next best reading"
-
-
-def _conventions() -> list[Convention]:
-    """All that have a name, those that change least first."""
-    every = [Convention(angles, frame) for angles, frame in product(ANGLES, FRAMES)]
-    return sorted(
-        every, key=lambda way: (way.angles != "counter-clockwise") + (way.frame != RIGHT_HANDED)
-    )
+        words += f"; motions cannot tell that from {other.words()} ({best}): that is assumed"
+    else:
+        words += f", {best} in the next best reading"
+    return words + looked.by_rod * _BY_ROD
 
 
 def _middle(motion: Array) -> complex:
@@ -450,35 +397,38 @@ class _Test:
     """Pushes as they are written, whose motions tell how well a reading fits.
 
     lever : of the object, m, by which turns count as distances.
-    lengths_known : whether it is known how far rods went.
     """
 
     what: ClassVar[str] = "pushes end, beside isotropic friction's,"
 
     written: _Written
     lever: float
-    lengths_known: bool = False
+
+    def expected(self, own: Array) -> tuple[Array, Array]:
+        """Motions in the object's own frame, m, and turns, rad, (n,) each, that are expected of
+        places `own` (n, 3), as `_Written.read` has them.
+        """
+        raise NotImplementedError
 
     def distances(self, reading: _Reading) -> Array:
         """How far off each push is (n,), m: place, and turn by the object's lever."""
-        raise NotImplementedError
+        own, turn = self.written.read(reading)
+        motion, expected_turn = self.expected(own)
+        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
+        off = 0.0 if reading.angle != 1.0 else self.lever * (turn - expected_turn)
+        return np.asarray(np.hypot(np.abs(own[:, 0] - motion), off))
 
     def distance(self, reading: _Reading) -> float:
         """The median of `distances`."""
         return float(np.median(self.distances(reading)))
 
-    def closer(self, other: _Reading, taken: _Reading) -> bool:
-        """Whether most pushes agree that the other is nearer."""
-        return float(np.mean(self.distances(other) < self.distances(taken))) > 0.7
-
     def readings(self, taken: _Reading) -> list[_Reading]:
         """All others than the one taken."""
-        named = [convention for convention in _conventions() if convention != taken.convention]
-        return [_Reading(convention) for convention in named]
+        return [_Reading(named) for named in _CONVENTIONS if named != taken.convention]
 
-    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
-        """What is wrong where the places are those of another point of the object than its origin,
-        as one that leaves less than `limit` (m) in the median tells; empty where none does.
+    def off_centre(self, looked: _Looked, moved: float) -> str:
+        """What is wrong where the places are those of another point of the object than its origin;
+        empty where that is not known.
 
         moved : m, the size of motions.
         """
@@ -488,31 +438,35 @@ class _Test:
         """What else would do; nothing."""
         return ""
 
+    def doubt(self, looked: _Looked) -> None:
+        """Warn where no reading comes near, if that tells anything."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Predicted(_Test):
     """Pushes whose motion (n,), complex, and turn (n,) in the object's own frame a loop predicts."""
 
-    motion: Array = field(kw_only=True)
-    turn: Array = field(kw_only=True)
+    loop: CollectionLoop
+    motion: Array
+    turn: Array
 
-    def distances(self, reading: _Reading) -> Array:
-        _, motion, turn = self.written.read(reading)
-        away = np.abs(motion - self.motion)
-        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
-        off = 0.0 if reading.angle != 1.0 else self.lever * (turn - self.turn)
-        return np.hypot(away, off)
+    @property
+    def lengths_known(self) -> bool:
+        """Whether it is known how far rods went."""
+        return bool(self.written.rows["length"].notna().all())
+
+    def expected(self, own: Array) -> tuple[Array, Array]:
+        return self.motion, self.turn
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         others = super().readings(taken)
         if self.written.is_spread:
             others += [_Reading(convention) for convention in self._turned(taken)]
-        lengths = LENGTH_UNITS.values() if self.lengths_known else ()
-        factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
-        usual = float(np.median(np.abs(self.written.moved)))
+        factors = sorted(_LENGTHS - {1.0}) if self.lengths_known else []
+        usual = float(np.median(np.abs(self.written.read(taken)[0][:, 0])))
         scale = float(np.median(np.abs(self.motion))) / usual if usual > 0.0 else 0.0
         factors += [scale] if scale > 0.0 and _is_no_unit(scale) else []
-        for convention in (taken.convention, *_conventions()):
+        for convention in (taken.convention, *_CONVENTIONS):
             others += [_Reading(convention, length=factor) for factor in factors]
             others += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
         return others
@@ -520,10 +474,10 @@ class _Predicted(_Test):
     def _turned(self, taken: _Reading) -> list[Convention]:
         """The two senses, each with the zero of its angles where motions want it."""
         turned = []
-        for convention in _conventions():
+        for convention in _CONVENTIONS:
             if convention.angles == "compass" or convention.frame == "swapped":
                 continue
-            _, motion, _ = self.written.read(_Reading(convention))
+            motion = self.written.read(_Reading(convention))[0][:, 0]
             zero = cmath.phase(_middle(motion / self.motion))
             offset = math.radians(round(math.degrees(zero)))
             off = [shorter_way(offset - known) for known in (0.0, taken.convention.offset)]
@@ -531,28 +485,36 @@ class _Predicted(_Test):
                 turned.append(replace(convention, offset=offset))
         return turned
 
-    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
-        _, motion, turn = self.written.read(taken)
+    def off_centre(self, looked: _Looked, moved: float) -> str:
+        own, turn = self.written.read(looked.taken)
         swept = np.exp(1j * turn) - 1.0
         if float(np.median(np.abs(swept))) < _LEAST_SWEPT:
             return ""
-        off = motion - self.motion
+        off = own[:, 0] - self.motion
         point = _middle(off / np.where(swept == 0.0, math.inf, swept))
         away = np.hypot(np.abs(off - swept * point), self.lever * (turn - self.turn))
         left = float(np.median(away))
         # Pushes that turn the object alike are off alike on any floor: then it takes more.
         alike = float(np.median(np.abs(off - _middle(off))))
         least = (_EXPLAINS if left > _CLEARLY * alike else _WELL) * moved
-        is_other = left <= _CLEARLY * limit and abs(point) <= _WITHIN * self.lever
-        here = self.distance(taken)
-        if not is_other or here <= least:
+        is_nearer = left <= _CLEARLY * min(_BEATEN * looked.here, looked.best)
+        if not is_nearer or abs(point) > _WITHIN * self.lever or looked.here <= least:
             return ""
         return (
-            f"{self.what} {1e3 * here:.3g} mm off in the median; {1e3 * left:.3g} mm, were its "
-            f"places those of a point of the object ({1e3 * point.real:.3g}, "
+            f"{self.what} {1e3 * looked.here:.3g} mm off in the median; {1e3 * left:.3g} mm, were "
+            f"its places those of a point of the object ({1e3 * point.real:.3g}, "
             f"{1e3 * point.imag:.3g}) mm from its origin: give the poses of its origin, or the "
             "outline in the frame of that point"
         )
+
+    def doubt(self, looked: _Looked) -> None:
+        if self.lengths_known:
+            doubt = (
+                f"{self.what} {1e3 * looked.here:.3g} mm off in the median, and not less than "
+                f"{1e3 * looked.best:.3g} mm in any reading: are object, push and units those of "
+                "the data?"
+            )
+            warnings.warn(doubt, DoubtfulInput, stacklevel=4)
 
 
 class _Alike(_Test):
@@ -562,10 +524,8 @@ class _Alike(_Test):
 
     what = "pushes that should be alike lie, in the object's own frame,"
 
-    def distances(self, reading: _Reading) -> Array:
-        """How far each push is from the median of all (n,), m."""
-        _, motion, _ = self.written.read(reading)
-        return np.asarray(np.abs(motion - _middle(motion)))
+    def expected(self, own: Array) -> tuple[Array, Array]:
+        return np.full(len(own), _middle(own[:, 0])), np.zeros(len(own))
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         """The other sense of angles, and other units of them."""
@@ -584,75 +544,58 @@ class _Alike(_Test):
         )
 
 
-def _alike(written: _Written) -> _Alike:
+def _alike(rows: pandas.DataFrame, convention: Convention) -> _Alike:
     """The pushes at the place that has most of them."""
-    labels = written.rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
-    largest = (labels == labels.value_counts(sort=False).idxmax()).to_numpy()
-    return _Alike(written.where(largest), 0.0)
+    labels = rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
+    largest = labels == labels.value_counts(sort=False).idxmax()
+    return _Alike(_Written.of(rows[largest], convention), 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class _WithTips(_Test):
-    """Pushes whose contact is told by the rod's places alone: what a loop predicts depends on the
+    """Pushes whose contact is told by the rod's places alone: what the loop predicts depends on the
     reading.
     """
 
-    model: QuasiStaticModel = field(kw_only=True)
+    loop: CollectionLoop
 
-    @classmethod
-    def on(cls, written: _Written, loop: CollectionLoop) -> _WithTips:
-        """The pushes on a loop's object."""
-        lever = 0.5 * loop.slider.outline.extent
-        return cls(written, lever, model=replace(loop, accuracy=1e-4).model)
-
-    def distances(self, reading: _Reading) -> Array:
-        theta, _, turn = self.written.read(reading)
-        place = reading.place(self.written.place)
-        tips = reading.place(self.written.tips)
-        pushes = zip(place.tolist(), theta.tolist(), *tips.T.tolist(), strict=True)
-        ends = np.array([self._end(*push) for push in pushes])
-        away = np.abs(place + reading.place(self.written.moved) - ends[:, 0])
-        return np.asarray(np.hypot(away, self.lever * (theta + turn - ends[:, 1].real)))
-
-    def _end(
-        self, place: complex, theta: float, first: complex, last: complex
-    ) -> tuple[complex, float]:
-        pose = Pose(place.real, place.imag, theta)
-        push = MeasuredPush(pose, pose, (first.real, first.imag), (last.real, last.imag))
-        try:
-            x, y, theta = predicted_push_ends(self.model, [push])[0][0]
-        except CycleMapError:
-            # A rod inside the object: as far off as nothing is.
-            return complex(1e3, 1e3), 1e3
-        return complex(x, y), theta
+    def expected(self, own: Array) -> tuple[Array, Array]:
+        model = replace(self.loop, accuracy=1e-4).model
+        # A rod inside the object: as far off as nothing is.
+        motion = np.full(len(own), 1e3 + 1e3j)
+        turn = np.full(len(own), 1e3)
+        for index, (_, first, last) in enumerate(own.tolist()):
+            tips = (first.real, first.imag), (last.real, last.imag)
+            with suppress(CycleMapError):
+                push = MeasuredPush(Pose(), Pose(), *tips)
+                x, y, turn[index] = predicted_push_ends(model, [push])[0][0]
+                motion[index] = complex(x, y)
+        return motion, turn
 
 
-def _prediction(written: _Written, loop: CollectionLoop) -> _Test | None:
-    """The pushes with what isotropic friction makes of them;
-    None where it makes nothing of most."""
-    rows = written.rows
+def _prediction(
+    rows: pandas.DataFrame, convention: Convention, loop: CollectionLoop
+) -> _Test | None:
+    """The pushes with what isotropic friction makes of them; None where it makes nothing of
+    most.
+    """
     plain = _plain(loop)
-    labelled = rows[["side", "fraction"]].notna().all(axis=None)
-    if not labelled and written.has_tips:
-        return _WithTips.on(written, plain)
-    model = plain.model
+    lever = 0.5 * loop.slider.outline.extent
+    every = _Written.of(rows, convention)
+    by_tips = _WithTips(every, lever, plain) if every.has_tips else None
+    if by_tips and not rows[["side", "fraction"]].notna().all(axis=None):
+        return by_tips
     start = plain.start_pose(0.0)
     known = []
     courses = []
     for index, row in enumerate(rows.to_dict("records")):
         with suppress(CycleMapError):
             push = told_push(loop.push, row, row["length"])
-            courses.append(model.course(model.push_strokes(start, push), start))
+            courses.append(plain.model.course(plain.model.push_strokes(start, push), start))
             known.append(index)
-    moved = np.full((len(rows), 3), np.nan)
-    moved[known] = predicted_motions(courses, most_failing=1.0)
-    turn = moved[:, 0]
-    motion = moved[:, 1] + 1j * moved[:, 2]
+    turn, dx, dy = predicted_motions(courses, most_failing=1.0).T
     good = np.isfinite(turn)
     if good.sum() < max(FEWEST, 0.5 * len(rows)):
-        return _WithTips.on(written, plain) if written.has_tips else None
-    lever = 0.5 * loop.slider.outline.extent
-    lengths_known = bool(rows["length"].notna().all())
-    return _Predicted(
-        written.where(good), lever, lengths_known, motion=motion[good], turn=turn[good]
-    )
+        return by_tips
+    written = _Written.of(rows.iloc[np.array(known)[good]], convention)
+    return _Predicted(written, lever, plain, (dx + 1j * dy)[good], turn[good])

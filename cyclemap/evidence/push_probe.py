@@ -23,8 +23,8 @@ from scipy import optimize, stats
 
 from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array, whole_number
-from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import LinearFit, fit_linear, fourier_columns
 from cyclemap.maps import fixed_points

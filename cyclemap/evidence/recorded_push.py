@@ -14,8 +14,7 @@ from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS
-from cyclemap.evidence.pushes.mit_names import ScanFacts
-from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, ScanFacts, ScanRecord
 from cyclemap.mechanics import EllipseFriction, PushResult
 
 SAMPLES_PER_SECOND = 250.0

@@ -18,8 +18,8 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
 from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.pushes.recordings import PushFacts, push_name, scan_name
 from cyclemap.evidence.recorded_push import (
     FIRST_CLOCK,
     Recording,
@@ -147,9 +147,9 @@ class CollectionPlan:
         friction = worn_friction(loop.material.friction, self.wear_to.friction, share)
         return replace(loop, material=replace(loop.material, friction=friction))
 
-    def generator(self, stream: int, number: int) -> np.random.Generator:
+    def generator(self, stream: int, cycle: int) -> np.random.Generator:
         """The random numbers of one stream for one cycle, the same whatever was drawn before."""
-        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, number)))
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, cycle)))
 
     def kick(self, cycle: int, theta: float) -> float:
         """By how much noise turns θ0 (rad) in `cycle`, that began at `theta`: the same whatever was

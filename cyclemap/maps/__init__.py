@@ -77,6 +77,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
+    from cyclemap.maps.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
     from cyclemap.maps.estimate import Estimate as Estimate
     from cyclemap.maps.families.bifurcation_curves import (
         BifurcationCurve as BifurcationCurve,
@@ -85,10 +86,12 @@ if TYPE_CHECKING:
         follow_bifurcation as follow_bifurcation,
     )
     from cyclemap.maps.families.bifurcations import (
+        SlowFold as SlowFold,
         bifurcations as bifurcations,
         border_collisions as border_collisions,
         period_doublings as period_doublings,
         saddle_nodes as saddle_nodes,
+        slow_folds as slow_folds,
     )
     from cyclemap.maps.families.continuation import (
         Bifurcation as Bifurcation,
@@ -104,15 +107,10 @@ if TYPE_CHECKING:
     from cyclemap.maps.families.long_orbits import (
         LyapunovExponents as LyapunovExponents,
         OrbitDiagram as OrbitDiagram,
-        lyapunov_exponent as lyapunov_exponent,
+        RestMultiplier as RestMultiplier,
         lyapunov_exponents as lyapunov_exponents,
         orbit_diagram as orbit_diagram,
-    )
-    from cyclemap.maps.families.lost_directions import (
-        RestMultiplier as RestMultiplier,
-        SlowFold as SlowFold,
         rest_multiplier as rest_multiplier,
-        slow_folds as slow_folds,
     )
     from cyclemap.maps.families.response import Response as Response, response as response
     from cyclemap.maps.families.rotation_numbers import (
@@ -140,8 +138,7 @@ if TYPE_CHECKING:
         nth_iterate as nth_iterate,
         shifted as shifted,
     )
-    from cyclemap.maps.noise.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
-    from cyclemap.maps.noise.noise import (
+    from cyclemap.maps.noise import (
         Noise as Noise,
         WrappedCauchy as WrappedCauchy,
         WrappedNormal as WrappedNormal,
@@ -163,6 +160,10 @@ if TYPE_CHECKING:
         lower_envelope as lower_envelope,
         upper_envelope as upper_envelope,
     )
+    from cyclemap.maps.orbits.orbit_means import (
+        birkhoff_average as birkhoff_average,
+        lyapunov_exponent as lyapunov_exponent,
+    )
     from cyclemap.maps.orbits.periodic_points import (
         Orbit as Orbit,
         PeriodicPoints as PeriodicPoints,
@@ -174,7 +175,6 @@ if TYPE_CHECKING:
     from cyclemap.maps.orbits.rotation_number import (
         RotationInterval as RotationInterval,
         RotationNumber as RotationNumber,
-        birkhoff_average as birkhoff_average,
         rotation_interval as rotation_interval,
         rotation_number as rotation_number,
     )
@@ -192,15 +192,17 @@ if TYPE_CHECKING:
         QuasiStationary as QuasiStationary,
         quasi_stationary as quasi_stationary,
     )
-    from cyclemap.maps.staircases.slow_zones import (
+    from cyclemap.maps.staircases.drifting_map import (
+        DriftingMap as DriftingMap,
         DriftSummary as DriftSummary,
+        predict_drift as predict_drift,
+    )
+    from cyclemap.maps.staircases.slow_zones import (
         SlowZone as SlowZone,
         StaircaseSummary as StaircaseSummary,
-        predict_drift as predict_drift,
         predict_staircase as predict_staircase,
     )
     from cyclemap.maps.staircases.staircase import (
-        DriftingMap as DriftingMap,
         LocalNoise as LocalNoise,
         Staircase as Staircase,
         sample_staircase as sample_staircase,

@@ -20,6 +20,8 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
 from cyclemap.maps.lifts.scan import ranks
 
+Rule = tuple[Array, Array]  # nodes and their weights
+
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
 _SHORTEST = 1e-12  # radians: panels are not cut below this
@@ -47,7 +49,7 @@ def arc_rule(
     bandwidth: float,
     finer: int = 1,
     every_sample: bool = True,
-) -> tuple[Array, Array]:
+) -> Rule:
     """Gauss-Legendre panels on [start, end]: none crosses a break, F is resolved on each, each
     order fits its phase.
 
@@ -121,7 +123,7 @@ def too_many_nodes(count: int) -> ConvergenceError:
 
 def _on_panels(
     circle_map: CircleMap, edges: Array, bandwidth: float, finer: int, least: int = 3
-) -> tuple[Array, Array]:
+) -> Rule:
     """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its
     phase.
     """
@@ -198,7 +200,7 @@ def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) 
     return np.concatenate([[start], around, [end]])
 
 
-def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
+def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> Rule:
     """Nodes and weights over one turn on panels that shrink towards each (near) zero of F'.
 
     For integrands with a logarithm of |F'|, singular where F' = 0, times a density of that
@@ -208,7 +210,7 @@ def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tupl
     return _on_panels(circle_map, edges, bandwidth, finer, _POINTS)
 
 
-def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
+def gauss_rule(left: Array, width: Array, points: int) -> Rule:
     """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width],
     panel by panel.
     """
@@ -225,6 +227,6 @@ def _to_coefficients(points: int) -> Array:
 
 
 @lru_cache(maxsize=256)
-def _gauss(points: int) -> tuple[Array, Array]:
+def _gauss(points: int) -> Rule:
     x, w = np.polynomial.legendre.leggauss(points)
     return read_only(x), read_only(w)

@@ -149,6 +149,12 @@ class FloorSession:
     shape: SurfaceShape
 
 
+def friction_numbers(law: EllipseFriction) -> dict[str, float]:
+    """Return the numbers of a friction ellipse by the keys of a file, its angle in degrees."""
+    numbers = law.mu_a, law.mu_b, law.m0, law.n0, math.degrees(law.phi)
+    return dict(zip(FRICTION_KEYS, numbers, strict=True))
+
+
 def shape_numbers(shape: SurfaceShape, keys: tuple[str, ...]) -> dict[str, float]:
     """Return dome, bow and axis (degrees) of a shape under three keys of a file."""
     return dict(zip(keys, (shape.dome, shape.bow, math.degrees(shape.axis)), strict=True))

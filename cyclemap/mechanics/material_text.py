@@ -28,6 +28,7 @@ from cyclemap.mechanics.material import (
     MaterialPosterior,
     PlatePressure,
     Wear,
+    friction_numbers,
     shape_numbers,
     shape_of_numbers,
 )
@@ -336,9 +337,12 @@ def material_toml(material: Material) -> str:
     phi_deg = 0.0
     <BLANKLINE>
     """
-    tables: dict[str, dict[str, object]] = {"friction": _numbers(material.friction)}
+    tables: dict[str, dict[str, object]] = {"friction": {**friction_numbers(material.friction)}}
     if material.wear is not None:
-        worn = {"cycles": material.wear.cycles, **_numbers(material.wear.friction)}
+        worn: dict[str, object] = {
+            "cycles": material.wear.cycles,
+            **friction_numbers(material.wear.friction),
+        }
         if material.wear.course:
             worn["course"] = material.wear.course
         if material.wear.floor is not None:
@@ -377,11 +381,6 @@ def material_toml(material: Material) -> str:
     if material.posterior is not None:
         lines += ["samples = [", *(f"    {_text(row)}," for row in material.posterior.samples), "]"]
     return "\n".join(lines) + "\n"
-
-
-def _numbers(law: EllipseFriction) -> dict[str, object]:
-    numbers = law.mu_a, law.mu_b, law.m0, law.n0, math.degrees(law.phi)
-    return {**dict(zip(FRICTION_KEYS, numbers, strict=True))}
 
 
 def _key(name: str) -> str:

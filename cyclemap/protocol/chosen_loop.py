@@ -6,29 +6,19 @@ object, push and reset, too), the protocol file, then each --set in order.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
-from cyclemap.protocol.collection_file import data_settings, names_surface, read_settings
+from cyclemap.plain_text import key_and_value
+from cyclemap.protocol.collection_file import data_settings, names_surface
 from cyclemap.protocol.protocol_file import read_protocol
 from cyclemap.protocol.setting_table import SETTINGS, Settings, setting_named, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.protocol.strategy import ResetStrategy, one_loop, overruled_settings
-
-
-@dataclass(frozen=True)
-class LoopOptions:
-    """Which loop a command is about; material: None where none was named, which stands for
-    isotropic friction.
-    """
-
-    material: str | None
-    protocol: Path | None
-    settings: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -59,12 +49,17 @@ class ChosenCollection:
         return self if fixed is None else replace(self, loop=fixed, strategy=None)
 
 
-def chosen_loop(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
-    """The one loop that `options` ask for, and its noise; data: see `chosen_collection`.
+def chosen_loop(
+    material: str | None,
+    protocol: Path | None = None,
+    settings: Sequence[str] = (),
+    data: Path | None = None,
+) -> ChosenCollection:
+    """The one loop that is asked for, and its noise; see `chosen_collection`.
 
     A strategy that does the same in every cycle is part of the loop; InvalidInput for any other.
     """
-    chosen = chosen_collection(options, data).simplified()
+    chosen = chosen_collection(material, protocol, settings, data).simplified()
     if chosen.strategy is not None:
         why = (
             "turns the object by a gripper"
@@ -72,7 +67,7 @@ def chosen_loop(options: LoopOptions, data: Path | None = None) -> ChosenCollect
             else "differs from cycle to cycle"
         )
         raise InvalidInput(
-            f"{options.protocol}: its strategy {why}, and this command is about one loop: give the "
+            f"{protocol}: its strategy {why}, and this command is about one loop: give the "
             "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out "
             "of it"
         )
@@ -87,59 +82,60 @@ def loop_beside(data: Path) -> CollectionLoop | None:
     return loop_from_settings(settings, CollectionLoop.mit("isotropic")) if settings else None
 
 
-def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
-    """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the
-    strategy overrules.
+def chosen_collection(
+    material: str | None,
+    protocol: Path | None = None,
+    settings: Sequence[str] = (),
+    data: Path | None = None,
+) -> ChosenCollection:
+    """The loop, noise and strategy that are asked for; InvalidInput for a --set that the strategy
+    overrules.
 
-    data : measured; what their folder says of object, push and reset holds where `options` do not
-        say otherwise.
+    material : a name or a file; None stands for isotropic friction.
+    settings : `key=value` texts.
+    data : measured; what their folder says of object, push and reset holds where nothing else
+        says otherwise.
     """
-    material, said, strategy = told_settings(options, data)
-    own = set_settings(options.settings)
+    surface, said, strategy = said_settings(material, protocol, settings, data)
     for key in said:
         setting_named(key)
-    settings, sigma = without_noise(said)
-    base = CollectionLoop.mit(material=material or "isotropic")
-    warn_of_defaults(settings)
-    loop = loop_from_settings(settings, base)
-    if strategy is not None:
-        lost = [key for key in own if key in overruled_settings(strategy)]
-        if lost:
-            raise InvalidInput(
-                f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it "
-                "in its table [strategy]"
-            )
+    of_loop, sigma = without_noise(said)
+    warn_of_defaults(of_loop)
+    loop = loop_from_settings(of_loop, CollectionLoop.mit(material=surface or "isotropic"))
+    overruled = () if strategy is None else overruled_settings(strategy)
+    lost = [key for key in set_settings(settings) if key in overruled]
+    if lost:
+        raise InvalidInput(
+            f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it "
+            "in its table [strategy]"
+        )
     return ChosenCollection(loop, sigma, strategy, said)
 
 
-def told_settings(
-    options: LoopOptions, data: Path | None = None
-) -> tuple[str | Path | None, dict[str, object], ResetStrategy | None]:
-    """The material where one is named, the settings that are said anywhere, and the strategy.
+def said_settings(
+    material: str | None,
+    protocol: Path | None,
+    settings: Sequence[str],
+    data: Path | None = None,
+) -> tuple[str | Path | None, Settings, ResetStrategy | None]:
+    """The material where one is named, the settings that are said anywhere, and the strategy: that
+    of the protocol file, else of the material's.
 
     Of a file that is a material and a collection in one, both count; a surface in the protocol file
     only where no material is named.
     """
     layers = [] if data is None else [data_settings(data)]
-    if options.material is not None and options.material.endswith(".toml"):
-        layers.append(read_settings(options.material))
-    given, strategy = protocol_of(options)
-    material: str | Path | None = options.material
-    if material is None and options.protocol is not None and names_surface(options.protocol):
-        material = options.protocol
-    return material, layered(*layers, given, set_settings(options.settings)), strategy
-
-
-def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy | None]:
-    """The settings and the strategy of the protocol file, else of the material's; none where there
-    is no file.
-    """
-    is_file = options.material is not None and options.material.endswith(".toml")
-    path = options.protocol or (Path(str(options.material)) if is_file else None)
-    if path is None:
-        return {}, None
-    settings, strategy = read_protocol(path)
-    return (settings if path == options.protocol else {}), strategy
+    strategy = None
+    surface: str | Path | None = material
+    if material is not None and material.endswith(".toml"):
+        of_file, strategy = read_protocol(material)
+        layers.append(of_file)
+    if protocol is not None:
+        of_protocol, strategy = read_protocol(protocol)
+        layers.append(of_protocol)
+        if material is None and names_surface(protocol):
+            surface = protocol
+    return surface, layered(*layers, set_settings(settings)), strategy
 
 
 def set_settings(pairs: Iterable[str]) -> dict[str, object]:
@@ -150,8 +146,6 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
     """
     settings: dict[str, object] = {}
     for pair in pairs:
-        key, equals, value = (word.strip() for word in pair.partition("="))
-        if not (key and equals and value):
-            raise InvalidInput(f"--set {pair!r} is not of the form key=value")
+        key, value = key_and_value("--set", pair)
         settings[key] = SETTINGS[key].parsed(value) if key in SETTINGS else value
     return settings

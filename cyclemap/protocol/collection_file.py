@@ -97,7 +97,7 @@ def collection_tables(
     start = loop_from_settings(plain_numbers({**shape, **ring}), base)
     settings = {**shape, **_footprint(loop, start)}
     for setting in _READ_OFF:
-        always = setting.told == ALWAYS or (own and setting.told == OWN)
+        always = setting.written == ALWAYS or (own and setting.written == OWN)
         # A coordinate says a place only beside the other.
         place = setting.place.removesuffix(".0").removesuffix(".1")
         if always or not _same(attrgetter(place)(loop), attrgetter(place)(start)):

@@ -4,7 +4,6 @@ vertices.
 
 from __future__ import annotations
 
-import math
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
@@ -23,17 +22,12 @@ from cyclemap.plain_text import install_words, plain_number
 from cyclemap.text_files import read_bytes, read_text
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
-# What headers call them.
-_UNIT_WORDS = {
-    **{name: name for name in UNITS},
-    "in": "inch",
-    "inches": "inch",
-    "metres": "m",
-    "meters": "m",
-}
+# What headers call them, and a name of x or y with its unit, such as pos_x_mm or "Y [mm]".
+_UNIT_WORDS = {**UNITS, "in": 0.0254, "inches": 0.0254, "metres": 1.0, "meters": 1.0}
+_AXIS = re.compile(r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?")
 MESHES = (".stl", ".obj", ".ply", ".off", ".glb", ".dae")
 # DXF's own numbers of units, and CSS's names of them; a pixel is 1/96 inch there.
-_DXF_UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
+_DXF_UNITS = {1: 0.0254, 4: 1e-3, 5: 1e-2, 6: 1.0}
 _SVG_UNITS = {
     "mm": 1e-3,
     "cm": 1e-2,
@@ -131,45 +125,55 @@ def read_outline(
     2400
     """
     path = Path(path)
-    kind = path.suffix.lower()
-    known = "in the file's own unit"
-    own: float | None
-    if kind == ".csv":
-        line, named = _csv_vertices(path)
-        lines = [line]
-        own = None if named is None else UNITS[named]
-    else:
-        read_bytes(path, 2**26)
-        if kind == ".svg":
-            lines, own, is_told = _svg_lines(path)
-            known = known if is_told else "in pixels of 1/96 inch: give --unit where they are none"
-        elif kind == ".dxf":
-            lines, own = _dxf_lines(path)
-        elif kind in MESHES:
-            lines = _mesh_outlines(_loaded_mesh(path), underside, path)
-            own = None
-        elif kind == ".urdf":
-            lines = _mesh_outlines(_urdf_mesh(path), underside, path)
-            own = 1.0
-        else:
-            listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
-            raise InvalidInput(
-                f"{path}: an outline is read from {listed}, not from "
-                f"{kind or 'a file without an ending'}"
-            )
-    line = _largest(path, lines)
+    drawing = _drawing(path, underside)
+    line = _largest(path, drawing.lines)
+    known = drawing.known
     if unit is not None:
         metres = UNITS[unit]
         known = f"as told, in {unit}"
-    elif own is not None:
-        metres = own
+    elif drawing.metres is not None:
+        metres = drawing.metres
     else:
         guess = "m" if float(np.ptp(line, axis=0).max()) < _METRES_BELOW else "mm"
         metres = UNITS[guess]
         known = f"in {guess}, guessed by its size: give --unit where that is wrong"
-    if len(lines) > 1:
-        known += f"; the largest of {len(lines)} closed lines, the others left out, as holes are"
+    if len(drawing.lines) > 1:
+        known += (
+            f"; the largest of {len(drawing.lines)} closed lines, the others left out, as holes are"
+        )
     return _finished(path, metres * line, known, tolerance)
+
+
+@dataclass(frozen=True)
+class _Drawing:
+    """The closed lines of a file.
+
+    metres : one unit of it; None where it does not tell.
+    known : what is said of the unit where it is told.
+    """
+
+    lines: list[Array]
+    metres: float | None
+    known: str = "in the file's own unit"
+
+
+def _drawing(path: Path, underside: bool) -> _Drawing:
+    kind = path.suffix.lower()
+    if kind == ".csv":
+        return _csv_drawing(path)
+    read_bytes(path, 2**26)
+    if kind == ".svg":
+        return _svg_drawing(path)
+    if kind == ".dxf":
+        return _dxf_drawing(path)
+    if kind in MESHES:
+        return _Drawing(_mesh_outlines(_loaded_mesh(path), underside, path), None)
+    if kind == ".urdf":
+        return _Drawing(_mesh_outlines(_urdf_mesh(path), underside, path), 1.0)
+    listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
+    raise InvalidInput(
+        f"{path}: an outline is read from {listed}, not from {kind or 'a file without an ending'}"
+    )
 
 
 def _finished(path: Path, points: Array, known: str, tolerance: float) -> OutlineFile:
@@ -187,8 +191,7 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
             f"{path}: {len(points)} vertices: take a larger --tolerance-mm, {_MOST_VERTICES} are "
             "enough"
         )
-    around = np.roll(points, -1, axis=0)
-    if float((points[:, 0] * around[:, 1] - points[:, 1] * around[:, 0]).sum()) < 0.0:
+    if _twice_area(points) < 0.0:
         points = points[::-1]
     points = points - Polygon(tuple(map(tuple, points.tolist()))).centroid
     points = np.roll(points, -int(np.argmax(points.sum(axis=1).round(9))), axis=0)
@@ -207,49 +210,54 @@ def _largest(path: Path, lines: Sequence[Array]) -> Array:
         raise DataFileError(
             f"{path}: no closed line: close the path of the outline, or join its lines"
         )
-    areas = []
-    for line in lines:
-        x, y = (line - line[0]).T
-        areas.append(abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))))
-    return lines[int(np.argmax(areas))]
+    return max(lines, key=lambda line: abs(_twice_area(line)))
 
 
-def _csv_vertices(path: Path) -> tuple[Array, str | None]:
-    """The vertices, and their unit where a header names it; columns are told by their names, else
-    they are x and y.
-    """
-    text = enumerate(read_text(path, "CSV").splitlines(), 1)
-    kept = [(place, line) for place, line in text if line.strip(" ,;\t") and line[0] != "#"]
-    numbers = [place for place, _ in kept]
-    lines = [line for _, line in kept]
-    separator = next((sign for sign in ";\t" if lines and sign in lines[0]), ",")
-    # Where another sign divides the columns a comma is a decimal one.
-    rows = [[field.strip().strip('"\ufeff') for field in line.split(separator)] for line in lines]
-    if separator != ",":
-        rows = [[field.replace(",", ".") for field in row] for row in rows]
+def _twice_area(line: Array) -> float:
+    """Twice the area in a closed line, positive where it runs counter-clockwise."""
+    x, y = (line - line[0]).T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def _csv_drawing(path: Path) -> _Drawing:
+    """The vertices; columns are told by their names, else they are x and y."""
+    lines = enumerate(read_text(path, "CSV").splitlines(), 1)
+    kept = [(row, line) for row, line in lines if line.strip(" ,;\t") and line[0] != "#"]
+    if not kept:
+        raise _too_few(path, 0)
+    separator = next((sign for sign in ";\t" if sign in kept[0][1]), ",")
     columns = (0, 1)
-    unit = None
-    if rows and not all(_is_number(field) for field in rows[0] if field):
-        columns, unit = _named_columns(path, rows[0])
-        rows = rows[1:]
-        lines = lines[1:]
-        numbers = numbers[1:]
-    elif rows and len([field for field in rows[0] if field]) != 2:
-        problem = f"{len(rows[0])} columns without names: which are x and y?"
+    metres = None
+    header = _fields(kept[0][1], separator)
+    named = [field for field in header if field]
+    if not all(map(_is_number, named)):
+        columns, metres = _named_columns(path, header)
+        kept = kept[1:]
+    elif len(named) != 2:
+        problem = f"{len(header)} columns without names: which are x and y?"
         raise DataFileError(f"{path}: {problem} Give a header line, such as x_mm,y_mm")
     points = []
-    for row, line, place in zip(rows, lines, numbers, strict=True):
+    for row, line in kept:
+        fields = _fields(line, separator)
         try:
-            points.append([plain_number(row[column]) for column in columns])
+            points.append([plain_number(fields[column]) for column in columns])
         except (ValueError, IndexError) as error:
             raise DataFileError(
-                f"{path}, line {place}: two numbers x,y are wanted, not {line[:60]!r}"
+                f"{path}, line {row}: two numbers x,y are wanted, not {line[:60]!r}"
             ) from error
     if len(points) < 3:
-        raise DataFileError(
-            f"{path}: {len(points)} vertices; an outline has three or more, one x,y a line"
-        )
-    return np.array(points), unit
+        raise _too_few(path, len(points))
+    return _Drawing([np.array(points)], metres)
+
+
+def _too_few(path: Path, count: int) -> DataFileError:
+    return DataFileError(f"{path}: {count} vertices; an outline has three or more, one x,y a line")
+
+
+def _fields(line: str, separator: str) -> list[str]:
+    """The fields of a line; where another sign divides them a comma is a decimal one."""
+    fields = [field.strip().strip('"\ufeff') for field in line.split(separator)]
+    return fields if separator == "," else [field.replace(",", ".") for field in fields]
 
 
 def _is_number(text: str) -> bool:
@@ -260,37 +268,35 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], str | None]:
-    """Where a header has x and y, and the unit that it names."""
+def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], float | None]:
+    """Where a header has x and y, and the unit (m) that it names."""
     axes: dict[str, tuple[int, str]] = {}
     for index, name in enumerate(header):
-        match = re.fullmatch(
-            r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?", name.strip().lower()
-        )
-        if match and match[1] in axes:
+        match = _AXIS.fullmatch(name.strip().lower())
+        if match is None:
+            continue
+        axis, unit = match.groups("")
+        if axis in axes:
             raise DataFileError(
-                f"{path}: {header[axes[match[1]][0]]} and {name} may both be {match[1]}: keep one"
+                f"{path}: {header[axes[axis][0]]} and {name} may both be {axis}: keep one"
             )
-        if match:
-            axes[match[1]] = index, match[2] or ""
+        axes[axis] = index, unit
     if set(axes) != {"x", "y"}:
         raise DataFileError(
             f"{path}: the header is {','.join(header)[:80]}: name the columns x and y, such as "
             "x_mm,y_mm"
         )
-    named = {unit for _, unit in axes.values()}
-    if len(named) > 1:
+    (x, unit), (y, other) = axes["x"], axes["y"]
+    if unit != other:
         raise DataFileError(
-            f"{path}: x and y in different units ({', '.join(sorted(named))}): write them in one"
+            f"{path}: x and y in different units ({unit}, {other}): write them in one"
         )
-    (word,) = named
-    if word and word not in _UNIT_WORDS:
-        raise DataFileError(f"{path}: {word} is no unit that is known: give {', '.join(UNITS)}")
-    return (axes["x"][0], axes["y"][0]), _UNIT_WORDS.get(word)
+    if unit and unit not in _UNIT_WORDS:
+        raise DataFileError(f"{path}: {unit} is no unit that is known: give {', '.join(UNITS)}")
+    return (x, y), _UNIT_WORDS.get(unit)
 
 
-def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
-    """The closed lines, one unit of the drawing (m), and whether the drawing tells that."""
+def _svg_drawing(path: Path) -> _Drawing:
     svg = _library("svgpathtools")
     try:
         root = ElementTree.fromstring(read_bytes(path))
@@ -301,32 +307,32 @@ def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
     require_room(f"{path}: its {curves} curves", curves, "simplify the drawing", _MOST_CURVES)
     most_pieces = max(1, min(_PIECES, _MOST_CURVES // max(curves, 1)))
     lines = []
-    for drawn in paths:
-        for line in drawn.continuous_subpaths():
-            ends = [line.start]
-            for segment in line:
-                pieces = 1 if type(segment).__name__ == "Line" else most_pieces
-                ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
-            if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(
-                abs(end - ends[0]) for end in ends
-            ):
-                lines.append(np.array([[end.real, -end.imag] for end in ends]))
+    for line in (line for drawn in paths for line in drawn.continuous_subpaths()):
+        ends = [line.start]
+        for segment in line:
+            pieces = 1 if type(segment).__name__ == "Line" else most_pieces
+            ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
+        away = np.array(ends) - ends[0]
+        if len(ends) > 3 and abs(away[-1]) <= 1e-3 * np.abs(away).max():
+            lines.append(np.array([[end.real, -end.imag] for end in ends]))
     # One unit of the drawing, m: its width in the world over its width in the drawing's own units.
-    width = (root.get("width") or "").strip()
+    width = re.fullmatch(r"([^a-z%]*)([a-z%]*)", (root.get("width") or "").strip())
     box = (root.get("viewBox") or "").replace(",", " ").split()
-    digits = width.rstrip("abcdefghijklmnopqrstuvwxyz%")
     try:
-        name = width[len(digits) :]
+        digits, name = width.groups() if width else ("", "")
         across = plain_number(digits)
         unit = _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
     except (ValueError, KeyError):
         name = ""
         unit = _SVG_UNITS["px"]
-    return lines, unit, name not in ("", "px")
+    if name not in ("", "px"):
+        return _Drawing(lines, unit)
+    return _Drawing(lines, unit, "in pixels of 1/96 inch: give --unit where they are none")
 
 
-def _dxf_lines(path: Path) -> tuple[list[Array], float | None]:
+def _dxf_drawing(path: Path) -> _Drawing:
     ezdxf = _library("ezdxf")
+    shapely = _library("shapely")
     drawing_paths = import_module("ezdxf.path")
     try:
         drawing = ezdxf.readfile(path)
@@ -340,26 +346,14 @@ def _dxf_lines(path: Path) -> tuple[list[Array], float | None]:
             continue
         ends = np.array([[point.x, point.y] for point in made.control_vertices()])
         finest = 1e-4 * max(float(np.ptp(ends, axis=0).max()), 1e-9)
-        pieces.append(np.array([[point.x, point.y] for point in made.flattening(finest)]))
+        piece = np.array([[point.x, point.y] for point in made.flattening(finest)])
+        if len(piece) > 1:
+            pieces.append(shapely.LineString(piece.round(6)))
+    # Closed lines, and open ones whose ends meet.
+    lines = [np.array(polygon.exterior.coords) for polygon in shapely.polygonize(pieces).geoms]
     # Where a drawing tells no unit the library has one of its own.
     is_told = b"$INSUNITS" in read_bytes(path)
-    unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0)) if is_told else None
-    pieces = [piece for piece in pieces if len(piece) > 1]
-    closed = [
-        piece
-        for piece in pieces
-        if len(piece) > 3 and math.dist(piece[0], piece[-1]) <= 1e-6 * np.ptp(piece)
-    ]
-    # Open lines make closed ones where their ends meet.
-    shapely = _library("shapely")
-    rest = [
-        shapely.LineString(piece.round(6))
-        for piece in pieces
-        if not any(piece is ring for ring in closed)
-    ]
-    if rest:
-        closed += [np.array(polygon.exterior.coords) for polygon in shapely.polygonize(rest).geoms]
-    return closed, None if unit is None else UNITS[unit]
+    return _Drawing(lines, _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0)) if is_told else None)
 
 
 def _loaded_mesh(path: Path) -> Array:
@@ -380,21 +374,16 @@ def _mesh_outlines(triangles: Array, underside: bool, path: Path) -> list[Array]
         low = triangles[..., 2].min()
         high = triangles[..., 2].max()
         triangles = triangles[(triangles[..., 2] <= low + _UNDERSIDE * (high - low)).all(axis=1)]
-    flat = [shapely.Polygon(corners) for corners in triangles[..., :2]]
+    flat = shapely.polygons(triangles[..., :2])
     size = float(np.ptp(triangles[..., :2], axis=(0, 1)).max()) if len(triangles) else 0.0
     # Triangles meet within rounding of the file only: a hair's breadth closes the seams.
     hair = 1e-6 * size
-    shadows = [
-        triangle.buffer(hair, join_style="mitre")
-        for triangle in flat
-        if triangle.area > 1e-12 * size * size
-    ]
-    union = shapely.union_all(shadows).buffer(-hair, join_style="mitre")
-    return [
-        np.array(polygon.exterior.coords)
-        for polygon in getattr(union, "geoms", [union])
-        if not polygon.is_empty
-    ]
+    shadows = shapely.buffer(
+        flat[shapely.area(flat) > 1e-12 * size * size], hair, join_style="mitre"
+    )
+    union = shapely.buffer(shapely.union_all(shadows), -hair, join_style="mitre")
+    polygons = shapely.get_parts(union)
+    return [np.array(polygon.exterior.coords) for polygon in polygons if not polygon.is_empty]
 
 
 def _urdf_mesh(path: Path) -> Array:

@@ -22,7 +22,7 @@ from cyclemap.file_text import (
 )
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
-from cyclemap.protocol.setting_table import Settings
+from cyclemap.protocol.setting_table import SETTINGS, Settings
 from cyclemap.protocol.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
 from cyclemap.text_files import read_toml, write_whole
 
@@ -171,9 +171,16 @@ def _check_prediction(table: object) -> None:
             )
 
 
-_PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
-ACTION_KEYS = ("weight", "side", *_PUSH_UNITS, "way_points_mm", "gripper_turn_deg")
+PUSH_UNITS = {key: SETTINGS[key].unit for key in ("fraction", "angle_deg", "push_mm")}
+_PUSH_KEYS = ("side", *PUSH_UNITS)
+ACTION_KEYS = ("weight", *_PUSH_KEYS, "way_points_mm", "gripper_turn_deg")
 STRATEGY_KEYS = ("order", "block", "hitch_mm", "actions")
+
+
+def push_numbers(push: SidePush) -> dict[str, Decimal]:
+    """Where, in which direction and how far a push goes, as files have it."""
+    values = zip(PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True)
+    return {key: unit.written(value) for (key, unit), value in values}
 
 
 def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
@@ -188,14 +195,7 @@ def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
         if strategy.weights is not None:
             row["weight"] = NUMBER.written(strategy.weights[index])
         if action.push is not None:
-            push = action.push
-            values = zip(
-                _PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True
-            )
-            row |= {
-                "side": push.side,
-                **{key: unit.written(value) for (key, unit), value in values},
-            }
+            row |= {"side": action.push.side, **push_numbers(action.push)}
         if action.way_points is not None:
             row["way_points_mm"] = [
                 [MILLIMETRES.written(coordinate) for coordinate in place]
@@ -253,16 +253,11 @@ def _action(row: object) -> tuple[CycleAction, float | None]:
             "it is empty: give side, fraction and push_mm, or way_points_mm, or gripper_turn_deg"
         )
     push = None
-    if {"side", *_PUSH_UNITS} & set(given):
-        whole = _checked(
-            {"angle_deg": 0, **{k: v for k, v in given.items() if k in ("side", *_PUSH_UNITS)}},
-            ("side", *_PUSH_UNITS),
-            ("side", "fraction", "push_mm"),
-        )
-        push = SidePush(
-            whole_number("side", whole["side"], least=0),
-            *(_number(k, whole[k], u) for k, u in _PUSH_UNITS.items()),
-        )
+    of_push = {key: given[key] for key in _PUSH_KEYS if key in given}
+    if of_push:
+        whole = _checked({"angle_deg": 0, **of_push}, _PUSH_KEYS, ("side", "fraction", "push_mm"))
+        side = whole_number("side", whole["side"], least=0)
+        push = SidePush(side, *(_number(key, whole[key], unit) for key, unit in PUSH_UNITS.items()))
     points = None
     if "way_points_mm" in given:
         places = given["way_points_mm"]

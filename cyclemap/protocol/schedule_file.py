@@ -9,7 +9,7 @@ import io
 import math
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 
 from cyclemap.checks import whole_number
@@ -18,7 +18,6 @@ from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import (
     DEGREES,
     MILLIMETRES,
-    NUMBER,
     FileUnit,
     check_checksum,
     decimal_text,
@@ -27,6 +26,7 @@ from cyclemap.file_text import (
 )
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.protocol_file import PUSH_UNITS, push_numbers
 from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.text_files import (
     CsvRow,
@@ -37,17 +37,8 @@ from cyclemap.text_files import (
     write_whole,
 )
 
-PUSH_COLUMNS = (
-    "cycle",
-    "side",
-    "fraction",
-    "angle_deg",
-    "push_mm",
-    "rod_x_mm",
-    "rod_y_mm",
-    "push_dx",
-    "push_dy",
-)
+ROD_COLUMNS = ("rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
+PUSH_COLUMNS = ("cycle", "side", *PUSH_UNITS, *ROD_COLUMNS)
 TURN_COLUMN = "gripper_turn_deg"
 _LEG_COLUMNS = ("way_point_{}_x_mm", "way_point_{}_y_mm", "leg_{}_direction_deg", "leg_{}_mm")
 # Told twice, as way-points and as legs: how far the two may be apart (mm).
@@ -136,46 +127,52 @@ def write_schedule(
 
 
 def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str, str]) -> str:
-    legs = max(len(action.way_points or ()) for action in actions)
-    starts: dict[SidePush, list[str]] = {}
+    columns = _columns(max(len(action.way_points or ()) for action in actions))
     table = io.StringIO()
-    writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(_columns(legs))
+    writer = csv.DictWriter(table, columns, restval="", lineterminator="\n")
+    writer.writeheader()
+    pushes = {action.push: _push_cells(loop, action.push) for action in actions if action.push}
     for cycle, action in enumerate(actions):
-        push = action.push
-        way_points = action.way_points
-        assert push is not None and way_points is not None
-        if push not in starts:
-            place, way = first_contact(loop.slider, push, loop.pusher.radius)
-            numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
-            cells = [decimal_text(unit.written(value)) for unit, value in numbers]
-            starts[push] = [
-                str(push.side),
-                *cells,
-                *map(_rounded, (1e3 * place).tolist() + way.tolist()),
-            ]
-        drag = []
-        for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
-            dx = onward_x - x
-            dy = onward_y - y
-            drag += [decimal_text(MILLIMETRES.written(coordinate)) for coordinate in (x, y)]
-            drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
-        drag += [""] * (4 * (legs - len(way_points)))
-        writer.writerow(
-            [str(cycle), *starts[push], *drag, decimal_text(DEGREES.written(action.turn))]
-        )
+        assert action.push is not None and action.way_points is not None
+        row = {"cycle": cycle, **pushes[action.push], **_leg_cells(action.way_points)}
+        writer.writerow({**row, TURN_COLUMN: decimal_text(DEGREES.written(action.turn))})
     head = [
         f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))
     ]
     return "\n".join([*head, table.getvalue()])
 
 
+def _push_cells(loop: CollectionLoop, push: SidePush) -> dict[str, object]:
+    """The push of a cycle by column: as `read_schedule` needs it, and as the robot does."""
+    place, way = first_contact(loop.slider, push, loop.pusher.radius)
+    motion = map(_rounded, (1e3 * place).tolist() + way.tolist())
+    numbers = {key: decimal_text(number) for key, number in push_numbers(push).items()}
+    return {"side": push.side, **numbers, **dict(zip(ROD_COLUMNS, motion, strict=True))}
+
+
+def _leg_cells(way_points: Points) -> dict[str, str]:
+    """The way-points of a cycle, and the legs between them and to the target, by column."""
+    cells: dict[str, str] = {}
+    for leg, ((x, y), (onward_x, onward_y)) in enumerate(pairwise((*way_points, (0.0, 0.0))), 1):
+        dx = onward_x - x
+        dy = onward_y - y
+        texts = (
+            decimal_text(MILLIMETRES.written(x)),
+            decimal_text(MILLIMETRES.written(y)),
+            _rounded(math.degrees(math.atan2(dy, dx))),
+            _rounded(1e3 * math.hypot(dx, dy)),
+        )
+        cells |= dict(zip(_leg_columns(leg), texts, strict=True))
+    return cells
+
+
+def _leg_columns(leg: int) -> list[str]:
+    return [name.format(leg) for name in _LEG_COLUMNS]
+
+
 def _columns(legs: int) -> list[str]:
-    return [
-        *PUSH_COLUMNS,
-        *(name.format(leg) for leg in range(1, legs + 1) for name in _LEG_COLUMNS),
-        TURN_COLUMN,
-    ]
+    of_legs = chain.from_iterable(map(_leg_columns, range(1, legs + 1)))
+    return [*PUSH_COLUMNS, *of_legs, TURN_COLUMN]
 
 
 def _rounded(value: float) -> str:
@@ -258,27 +255,18 @@ def _action(table: CsvTable, row: CsvRow, legs: int) -> CycleAction:
             raise table.error(
                 row.line, f"side is {side[:_MOST_DIGITS]!r}; it must be a whole number"
             )
-        fraction, angle, distance = (
-            _number(table, row, column, unit)
-            for column, unit in (
-                ("fraction", NUMBER),
-                ("angle_deg", DEGREES),
-                ("push_mm", MILLIMETRES),
-            )
-        )
-        for column in PUSH_COLUMNS[5:]:
+        numbers = [_number(table, row, key, unit) for key, unit in PUSH_UNITS.items()]
+        for column in ROD_COLUMNS:
             table.number(row, column)
-        push = SidePush(int(side), fraction, angle, distance)
-        return CycleAction(
-            _way_points(table, row, legs), push, _number(table, row, TURN_COLUMN, DEGREES)
-        )
+        turn = _number(table, row, TURN_COLUMN, DEGREES)
+        return CycleAction(_way_points(table, row, legs), SidePush(int(side), *numbers), turn)
 
 
 def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
     places: list[tuple[float, float]] = []
     given_legs: list[tuple[float, float]] = []
     for leg in range(1, legs + 1):
-        x, y, direction, length = columns = [name.format(leg) for name in _LEG_COLUMNS]
+        x, y, direction, length = columns = _leg_columns(leg)
         if not any(table.text(row, column) for column in columns):
             continue
         if len(places) < leg - 1:

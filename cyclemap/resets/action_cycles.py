@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.checks import whole_number
-from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import CircleMap
@@ -54,8 +53,9 @@ class SampledTurns:
         """The largest slope of the turn, (actions,), over all materials, between neighbouring
         samples.
         """
-        around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
-        steps = np.abs(np.diff(around, axis=-1)) * (self.turn.shape[-1] / TWO_PI)
+        steps = np.abs(np.diff(self.turn, append=self.turn[..., :1])) * (
+            self.turn.shape[-1] / TWO_PI
+        )
         return np.asarray(steps.max(axis=(0, 2)))
 
     def refined(self, samples: int) -> Array:
@@ -220,7 +220,7 @@ def seconds(travel: Array, turned: Array) -> Array:
     >>> seconds(np.array([0.25, 0.25]), np.array([0.0, 1.0])).tolist()
     [22.5, 32.5]
     """
-    return np.asarray(travel / ROD_SPEED + HANDLING + GRIPPING * turned)
+    return travel / ROD_SPEED + HANDLING + GRIPPING * turned
 
 
 def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Array:

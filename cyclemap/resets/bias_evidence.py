@@ -12,16 +12,20 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.written import DIRECTION
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
 _RATES = np.array([0.75, 0.9, 0.98])  # chances of coming back that are betted on, in equal shares
 _PRESENT = 0.7  # weight of earlier directions, step by step, where the present one is told
 _MEMORY = 0.95  # the same where the pull is fitted: rests creep
+_STEPS_TOLD = 500  # what lies further back weighs less than 1e-11
 _WANDER = math.radians(6.0)  # how far a rest may wander; the prior of its pull
 _LEAST_PULL = 0.1  # of the distance a step; a weaker pull is not told from none within a rest
 KERNEL = math.radians(12.0)  # standard deviation of the kernel of the law of visits
+# The first harmonic left out weighs exp(-12.5), under 4e-6.
+_ORDERS = np.arange(1, math.ceil(5.0 / KERNEL) + 1)
+_WEIGHTS = np.exp(-0.5 * (KERNEL * _ORDERS) ** 2)
 BLOCK = 48  # pushes that are shuffled together
 ORDERS = 199  # other orders of a block that it is compared with
 _REMEMBERED = 20.0  # blocks: older visits are forgotten, for surfaces wear
@@ -94,14 +98,13 @@ class RestEvidence:
     def __init__(self, rule: RestRule, first: int = 0) -> None:
         """first : number of the first push that will be fed."""
         self.rule = rule
+        self._first = first
         periods = np.arange(1, rule.longest_period + 1)
         self._shares = (1.0 / periods**2) / np.sum(1.0 / periods**2)
         self._stakes = [SpreadStakes(_RATES.size) for _ in periods]
-        self._recent: list[complex] = []
-        self._pushes = first
-        # Of each period the push at which the rest under way began, and a path for each of its
-        # directions.
-        self._runs: list[tuple[int, list[DirectionTrack]] | None] = [None] * periods.size
+        self._visits: list[complex] = []
+        # Of each period the visit at which the rest under way began.
+        self._began: list[int | None] = [None] * periods.size
 
     @property
     def log_evidence(self) -> float:
@@ -113,53 +116,41 @@ class RestEvidence:
         """The rest that θ0 is in just now, of the period with the most evidence; None where it is
         in none.
         """
-        active = [index for index, run in enumerate(self._runs) if run is not None]
+        wealth = self._log_wealth()
+        active = [index for index, began in enumerate(self._began) if began is not None]
         if not active:
             return None
-        wealth = self._log_wealth()
-        run = self._runs[max(active, key=lambda index: float(wealth[index]))]
-        assert run is not None
-        began, tracks = run
-        present, limits = (
-            [getattr(track, name) % TWO_PI % TWO_PI for track in tracks]
-            for name in ("present", "limit")
-        )
-        return Rest(began, tuple(present), tuple(limits))
+        index = max(active, key=lambda index: float(wealth[index]))
+        began = self._began[index]
+        assert began is not None
+        period = index + 1
+        skipped = max((len(self._visits) - began) // period - _STEPS_TOLD, 0) * period
+        visits = np.angle(self._visits[began + skipped :])
+        settled = [settling(visits[place::period], _WANDER) for place in range(period)]
+        present, limits = (np.mod(places, TWO_PI) % TWO_PI for places in zip(*settled, strict=True))
+        return Rest(self._first + began, tuple(present.tolist()), tuple(limits.tolist()))
 
     def add(self, theta: float) -> None:
         """Take the next θ0 (rad, any number of turns): settle the bets on it."""
         point = complex(math.cos(theta), math.sin(theta))
         for index in range(self._shares.size):
             self._settle(index, point)
-        self._recent.append(point)
-        del self._recent[: -self.rule.window * self.rule.longest_period]
-        self._pushes += 1
+        self._visits.append(point)
 
     def _settle(self, index: int, point: complex) -> None:
         """Settle the bet on the period ``index + 1``, if one is placed."""
-        back = self._recent[-(index + 1) :: -(index + 1)][: self.rule.window]
+        reach = self.rule.window * (index + 1)
+        back = self._visits[-reach :: index + 1]
         centre = sum(back) / self.rule.window
-        if len(back) < self.rule.window or abs(centre) < math.cos(self.rule.half_width):
-            self._runs[index] = None
+        if len(self._visits) < reach or abs(centre) < math.cos(self.rule.half_width):
+            self._began[index] = None
             return
         hit = (point * centre.conjugate()).real >= abs(centre) * math.cos(self.rule.half_width)
         self._stakes[index].settle(np.log((_RATES if hit else 1.0 - _RATES) / CHANCE))
-        run = self._runs[index]
-        period = index + 1
-        fresh = [point]
         if not hit:
-            self._runs[index] = None
-            return
-        if run is None:
-            reach = self.rule.window * period
-            run = self._runs[index] = (
-                self._pushes - reach,
-                [DirectionTrack(_WANDER) for _ in range(period)],
-            )
-            fresh = [*self._recent[-reach:], point]
-        began, tracks = run
-        for push, visit in enumerate(fresh, self._pushes + 1 - len(fresh)):
-            tracks[(push - began) % period].add(math.atan2(visit.imag, visit.real))
+            self._began[index] = None
+        elif self._began[index] is None:
+            self._began[index] = len(self._visits) - reach
 
     def _log_wealth(self) -> Array:
         """Per period, by its share."""
@@ -193,54 +184,29 @@ class Rest:
     towards: tuple[float, ...] = field(metadata=DIRECTION)
 
 
-@dataclass
-class DirectionTrack:
-    """A path that settles: its present place, and the limit of the linear law θ' = θ + s·(limit -
-    θ) fitted to it.
+def settling(visits: ArrayLike, scatter: float) -> tuple[float, float]:
+    """Return the present place of a path of visits, rad, n ≥ 2, and the limit of the linear law
+    θ' = θ + s·(limit - θ) fitted to it, neither wrapped; steps are the shorter way round.
 
     The pull s is fitted by least squares, with a prior of no pull as strong as points spread over
     ``scatter`` (rad), and kept in [0.1, 1]. The path from the stable point of plywood's map is told
     to 3° (median) after twenty pushes under 1.1° of noise, where the place reached is still 5° off.
 
-    >>> track = DirectionTrack(0.1)
-    >>> for step in range(30):
-    ...     track.add(1.0 + 0.5 * 0.8**step)
-    >>> round(track.limit, 2)
+    >>> round(settling([1.0 + 0.5 * 0.8**step for step in range(30)], 0.1)[1], 2)
     1.0
     """
-
-    scatter: float
-    present: float = 0.0
-    start: float | None = None
-    last: float = 0.0
-    # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from
-    # the start.
-    sums: tuple[float, ...] = (0.0,) * 5
-
-    def add(self, theta: float) -> None:
-        """Take the next place (rad); steps are the shorter way round."""
-        if self.start is None:
-            self.start = self.last = self.present = theta
-            return
-        step = float(shorter_way(theta - self.last))
-        x = self.last - self.start
-        news = (1.0, x, step, x * x, x * step)
-        self.sums = tuple(_MEMORY * old + new for old, new in zip(self.sums, news, strict=True))
-        self.last += step
-        self.present = _PRESENT * self.present + (1.0 - _PRESENT) * self.last
-
-    @property
-    def limit(self) -> float:
-        """Where the path settles, rad, not wrapped."""
-        count, sum_x, sum_y, sum_xx, sum_xy = self.sums
-        if self.start is None or count == 0.0:
-            return self.present
-        x = sum_x / count
-        y = sum_y / count
-        covariance = sum_xy - count * x * y
-        variance = sum_xx - count * x * x
-        pull = min(max(-covariance / (variance + self.scatter**2), _LEAST_PULL), 1.0)
-        return self.start + x + y / pull
+    path = np.unwrap(np.asarray(visits, dtype=np.float64))
+    ago = np.arange(path.size)[::-1]
+    shares = (1.0 - _PRESENT) * _PRESENT**ago
+    present = path[0] + float(shares @ (path - path[0]))
+    places = path[:-1] - path[0]
+    steps = np.diff(path)
+    weights = _MEMORY ** ago[1:]
+    x, y = np.average([places, steps], axis=1, weights=weights)
+    covariance = weights @ ((places - x) * (steps - y))
+    variance = weights @ (places - x) ** 2
+    pull = min(max(-covariance / (variance + scatter**2), _LEAST_PULL), 1.0)
+    return present, float(path[0] + x + y / pull)
 
 
 class VisitLaw:
@@ -248,12 +214,8 @@ class VisitLaw:
     uniform law.
     """
 
-    def __init__(self, kernel: float) -> None:
-        """``kernel`` : rad, the kernel's standard deviation."""
-        # The first harmonic left out weighs exp(-12.5), under 4e-6.
-        self._order = np.arange(1, math.ceil(5.0 / kernel) + 1)
-        self._weights = np.exp(-0.5 * (kernel * self._order) ** 2)
-        self._moments = np.zeros(self._weights.size, dtype=np.complex128)
+    def __init__(self) -> None:
+        self._moments = np.zeros(_ORDERS.size, dtype=np.complex128)
         # Those that are remembered, old ones counted less.
         self.visits = 0.0
 
@@ -261,7 +223,7 @@ class VisitLaw:
         """Take visits ``theta`` (n,) rad, after forgetting all but the share ``kept`` of the older
         ones.
         """
-        waves = np.exp(-1j * np.multiply.outer(self._order, theta))
+        waves = np.exp(-1j * np.multiply.outer(_ORDERS, theta))
         self._moments = kept * self._moments + waves.sum(axis=1)
         self.visits = kept * self.visits + theta.size
 
@@ -270,7 +232,7 @@ class VisitLaw:
         0.1.
         """
         point = np.exp(1j * np.asarray(theta, dtype=np.float64))
-        series = polyval(point, np.append(0.0, self._weights * self._moments)).real
+        series = polyval(point, np.append(0.0, _WEIGHTS * self._moments)).real
         learned = (_PRIOR + self.visits + 2.0 * series) / (_PRIOR + self.visits)
         return np.asarray(_FLOOR + (1.0 - _FLOOR) * np.maximum(learned, 0.0), dtype=np.float64)
 
@@ -279,8 +241,8 @@ class VisitLaw:
         ones follow chance.
         """
         grid = np.arange(720) * (math.pi / 360.0)
-        widest = np.exp(-0.5 * (_PEAK_KERNEL * self._order) ** 2)
-        smoothed = np.append(0.0, np.minimum(self._weights, widest) * self._moments)
+        widest = np.exp(-0.5 * (_PEAK_KERNEL * _ORDERS) ** 2)
+        smoothed = np.append(0.0, np.minimum(_WEIGHTS, widest) * self._moments)
         return float(grid[np.argmax(polyval(np.exp(1j * grid), smoothed).real)])
 
 
@@ -298,13 +260,11 @@ class VisitEvidence:
     Grünwald, de Heide & Koolen 2024; e-values: Vovk & Wang 2021.
     """
 
-    def __init__(
-        self, kernel: float = KERNEL, block: int = BLOCK, orders: int = ORDERS, seed: int = 0
-    ) -> None:
+    def __init__(self, block: int = BLOCK, orders: int = ORDERS, seed: int = 0) -> None:
         self._block = block
         self._orders = orders
         self._random = np.random.default_rng(seed)
-        self.law = VisitLaw(kernel)
+        self.law = VisitLaw()
         self._waiting: list[float] = []
         self._stakes = SpreadStakes(_POWERS.size)
 
@@ -401,18 +361,13 @@ def arc_likelihoods(paths: Array) -> Array:
     """Return the likelihood of the visits of each path (n, m), rad from its start, mixed over arcs;
     of chance: 1.
     """
-    cells = np.floor(paths * (CELLS / TWO_PI) + _OFFSET).astype(np.int64) % CELLS
-    visited = np.zeros((len(paths), CELLS), dtype=bool)
-    visited[np.arange(len(paths))[:, None], cells] = True
     # The start is a visit, too.
-    visited[:, 0] = True
-    before = np.cumsum(
-        np.concatenate([np.zeros((len(paths), 1)), visited, visited], axis=1), axis=1
-    )
-    every = before[:, CELLS]
-    visits = paths.shape[1] + 1
+    visits = np.insert(paths, 0, 0.0, axis=1)
+    cells = np.sort(np.floor(visits * (CELLS / TWO_PI) + _OFFSET).astype(np.int64) % CELLS, axis=1)
+    empty = np.diff(cells, axis=1, append=cells[:, :1] + CELLS) - 1
     total = np.zeros(len(paths))
     for width in _WIDTHS:
-        on_it = before[:, width : width + CELLS] - before[:, :CELLS] == every[:, None]
-        total += (CELLS / width) ** visits * np.sum(on_it, axis=1)
-    return np.asarray(total / (CELLS * len(_WIDTHS)), dtype=np.float64)
+        # What an arc leaves out lies in one stretch of empty cells: in so many places.
+        arcs = np.maximum(empty - (CELLS - width) + 1, 0).sum(axis=1)
+        total += (CELLS / width) ** visits.shape[1] * arcs
+    return total / (CELLS * len(_WIDTHS))

@@ -91,7 +91,7 @@ class Crowding:
         """
         mean = self.crowding.mean(axis=1)
         crowding = self.crowding[np.arange(len(self.crowding)), bin_index(theta, CELLS)]
-        return np.asarray(crowding / np.where(mean > 0.0, mean, 1.0))
+        return crowding / np.where(mean > 0.0, mean, 1.0)
 
 
 class Coverage:

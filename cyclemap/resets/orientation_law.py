@@ -93,7 +93,7 @@ def _waves(modes: int, samples: int) -> Array:
     steps.
     """
     angle = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(samples) / samples)
-    return np.asarray(2.0 * np.concatenate([np.cos(angle), -np.sin(angle)]))
+    return 2.0 * np.concatenate([np.cos(angle), -np.sin(angle)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -20,9 +19,7 @@ from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 from cyclemap.resets.action_cycles import (
     SampledTurns,
     contact_lengths,
-    room_needed,
     sample_turns,
-    seconds,
 )
 from cyclemap.resets.material_range import MaterialRange, range_of
 from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
@@ -45,6 +42,7 @@ from cyclemap.resets.reset_ranking import (
     Pool,
     ResetDemands,
     candidate_pool,
+    mixture_costs,
     picked,
 )
 from cyclemap.resets.strategy_run import (
@@ -151,10 +149,8 @@ class ResetDesign:
         The range of materials.
     rows : tuple of ResetRow
         The chosen one first, the loop as it is last where it is not chosen, seven at most.
-    met : bool
-        Whether the chosen one meets every demand.
     binding : tuple of Limit
-        Where not, what the demands it misses could be at least.
+        What the demands that the chosen one misses could be at least.
     independent : float
         Mean histogram distance of independent uniform pushes.
     orders : dict of str to float
@@ -182,7 +178,6 @@ class ResetDesign:
     demands: ResetDemands
     about: MaterialRange
     rows: tuple[ResetRow, ...]
-    met: bool
     binding: tuple[Limit, ...]
     independent: float
     orders: dict[str, float]
@@ -195,6 +190,11 @@ class ResetDesign:
     def chosen(self) -> ResetRow:
         """The first row."""
         return self.rows[0]
+
+    @property
+    def met(self) -> bool:
+        """Whether the chosen one meets every demand."""
+        return not self.chosen.misses
 
     @property
     def own(self) -> ResetRow:
@@ -282,18 +282,23 @@ def design_reset(
     pool = candidate_pool(nominal, wanted, about, sigma, lambda done: report(0.4 * done))
     judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
     picks, binding = _closely_picked(pool, judge)
-    rows, course = _assessed(judge, _roles(picks, given), report)
-    binding = binding if rows[0].misses else ()
+    rows, cycles = _assessed(judge, _roles(picks, given), report)
+    chosen = rows[0]
+    own, turn = (cycles[strategy].refined(_REFINED)[0] for strategy in (OWN, chosen.strategy))
+    simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
     return ResetDesign(
         loop=loop,
         sigma=sigma,
         demands=wanted,
         about=about,
-        rows=rows,
-        met=not binding and not rows[0].misses,
-        binding=binding,
+        rows=tuple(rows),
+        binding=binding if chosen.misses else (),
         independent=independent_distance(wanted.pushes),
-        **course,
+        orders=judge.distances_by_order(chosen, turn),
+        ratio_errors=np.array(_RATIO_STEPS),
+        ratio_tv=np.array([judge.off_ratio(each) for each in (chosen.strategy, *simplest)]),
+        before=judge.histograms(OWN, own),
+        after=judge.histograms(chosen.strategy, turn),
     )
 
 
@@ -322,10 +327,8 @@ def _roles(picks: Picks, given: ResetStrategy | None) -> dict[ResetStrategy, lis
 
 def _assessed(
     judge: _Judge, roles: dict[ResetStrategy, list[str]], report: Progress
-) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
-    """The rows, from more samples and on all materials of the range, and what is drawn beside
-    them.
-    """
+) -> tuple[list[ResetRow], dict[ResetStrategy, SampledTurns]]:
+    """The rows, from more samples and on all materials of the range, and those samples."""
     cycles: dict[ResetStrategy, SampledTurns] = {}
     for strategy in roles:
         report(0.4 + 0.4 * len(cycles) / len(roles))
@@ -334,18 +337,7 @@ def _assessed(
     for strategy, reasons in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
         rows.append(judge.row(strategy, reasons, cycles[strategy]))
-    rows = _best_first(rows)
-    own = next(row for row in rows if AS_IT_IS in row.roles)
-    chosen = rows[0]
-    turns = {row: cycles[row.strategy].refined(_REFINED)[0] for row in (own, chosen)}
-    simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
-    return tuple(rows), {
-        "orders": judge.distances_by_order(chosen, turns[chosen]),
-        "ratio_errors": np.array(_RATIO_STEPS),
-        "ratio_tv": np.array(list(map(judge.off_ratio, [chosen.strategy, *simplest]))),
-        "before": judge.histograms(own.strategy, turns[own]),
-        "after": judge.histograms(chosen.strategy, turns[chosen]),
-    }
+    return _best_first(rows), cycles
 
 
 def _best_first(rows: list[ResetRow]) -> list[ResetRow]:
@@ -406,7 +398,11 @@ class _Judge:
         (nominal,) = self.laws(strategy, turns[:1], None)
         others = self.laws(strategy, turns[1:], min(nominal.modes, _ENOUGH_MODES))
         tv, after, where = self.worst((nominal, *others))
-        costs = self.costs(strategy, cycles)
+        prepared = strategy.prepared(self.loop)
+        contact = contact_lengths(prepared, strategy.actions)
+        drag = cycles.drag_length[0]
+        priced = mixture_costs(prepared, strategy.actions, strategy.shares, drag, contact)
+        costs = {name: float(cost) for name, cost in priced.items()}
         histogram, worst_histogram = self.distances(strategy, turns)
         values = {**costs, TV: tv, AFTER: after}
         if worst_histogram[0] <= independent_distance(self.demands.pushes):
@@ -427,21 +423,6 @@ class _Judge:
             misses=self.misses(values),
             lacking=tuple(need for need in strategy.needs if need not in self.demands.abilities),
         )
-
-    def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
-        """Drag, m, the time of a cycle, s, room and shortest contact, m."""
-        lengths = cycles.drag_length[0]
-        actions = strategy.actions
-        pushes = np.array([(action.push or self.loop.push).distance for action in actions])
-        turned = np.array([action.turn != 0.0 for action in actions])
-        prepared = strategy.prepared(self.loop)
-        still = list(dict.fromkeys(replace(action, turn=0.0) for action in actions))
-        return {
-            DRAG: float(strategy.shares @ lengths),
-            SECONDS: float(strategy.shares @ seconds(lengths + pushes, turned)),
-            REACH: max(room_needed(prepared, action) for action in still),
-            CONTACT: float(contact_lengths(prepared, still).min()),
-        }
 
     def misses(self, values: dict[str, float]) -> tuple[str, ...]:
         """The demands that values miss: contact is demanded at least, all else at most."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -248,28 +248,47 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, sets: tuple[Candidates
     return Pool(sets, rows, excess, limits)
 
 
-def _values(loop: CollectionLoop, candidates: Candidates, reach: bool) -> dict[str, Any]:
+def _values(loop: CollectionLoop, candidates: Candidates, reach: bool) -> dict[str, object]:
     """The columns of a set in a `Pool`; that of the room they need takes long."""
     source, shares = candidates.source, candidates.shares
-    used = shares > 0.0
-    drag = shares @ source.turns.drag_length[0]
-    turned = shares @ np.array([float(action.turn != 0.0) for action in source.actions])
-    values = {
+    prepared = ResetStrategy(OWN.actions, hitch=source.hitch).prepared(loop)
+    drag = source.turns.drag_length[0]
+    return {
         "family": source.family,
-        "actions": used.sum(axis=1),
+        "actions": (shares > 0.0).sum(axis=1),
         "untidy": _untidy(loop.push, source.actions, shares),
         TV: candidates.tv,
         AFTER: candidates.after,
-        DRAG: drag,
-        SECONDS: seconds(loop.push.distance + drag, turned),
-        CONTACT: np.where(used, source.contact, np.inf).min(axis=1),
+        **mixture_costs(prepared, source.actions, shares, drag, source.contact, reach),
+    }
+
+
+def mixture_costs(
+    loop: CollectionLoop,
+    actions: Sequence[CycleAction],
+    shares: Array,
+    drag: Array,
+    contact: Array,
+    reach: bool = True,
+) -> dict[str, Array]:
+    """What mixtures of k actions, shares (..., k), cost: mean drag, m, mean time of a cycle, s,
+    shortest contact, m, and unless not `reach` the room they need, m; each (...).
+
+    drag, contact : (k,) m, of each action.
+    """
+    used = shares > 0.0
+    pushes = np.array([(action.push or loop.push).distance for action in actions])
+    turned = np.array([float(action.turn != 0.0) for action in actions])
+    costs = {
+        DRAG: shares @ drag,
+        SECONDS: seconds(shares @ (drag + pushes), shares @ turned),
+        CONTACT: np.where(used, contact, np.inf).min(axis=-1),
     }
     if reach:
-        prepared = ResetStrategy(OWN.actions, hitch=source.hitch).prepared(loop)
-        still = [replace(action, turn=0.0) for action in source.actions]
-        rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
-        values[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=1)
-    return values
+        still = [replace(action, turn=0.0) for action in actions]
+        rooms = {action: room_needed(loop, action) for action in dict.fromkeys(still)}
+        costs[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=-1)
+    return costs
 
 
 def _untidy(own: SidePush, actions: Sequence[CycleAction], shares: Array) -> Array:

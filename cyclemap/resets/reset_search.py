@@ -222,20 +222,17 @@ def searched(source: ActionSet, within: int, progress: Progress) -> Candidates:
         order = np.argsort(scored(rough, shares).tv, kind="stable")
         mixed.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    few = [mixtures for size, mixtures in enumerate(mixed, 1) if 1 < size < MOST_TOGETHER]
-    if few:
-        shares, after = (
-            np.concatenate([getattr(mixtures, name) for mixtures in few])
-            for name in ("shares", "after")
-        )
-        mixed.append(
-            scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within)
-        )
-    stacked = (
-        np.concatenate([getattr(mixtures, name) for mixtures in mixed])
-        for name in ("shares", "tv", "after")
-    )
-    return Candidates(source, *stacked)
+    if count > 1:
+        few = _joined(mixed[1 : MOST_TOGETHER - 1])
+        best = few.shares[np.argsort(few.after, kind="stable")[:_WEIGHED]]
+        mixed.append(scored(source, _weighed(best), within))
+    return _joined(mixed)
+
+
+def _joined(mixed: list[Candidates]) -> Candidates:
+    """The mixtures of the same actions as one."""
+    columns = zip(*((each.shares, each.tv, each.after) for each in mixed), strict=True)
+    return Candidates(mixed[0].source, *map(np.concatenate, columns))
 
 
 def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candidates:

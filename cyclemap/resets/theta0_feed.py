@@ -11,9 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.recordings import PushRecord
+from cyclemap.evidence.pushes.recordings import PushFacts, PushRecord, push_facts
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import (
     SUFFIXES,

@@ -24,11 +24,16 @@ from cyclemap.written import DIRECTION
 # counted.
 _WAY = (0.03125, 0.125, 0.25, 0.5, 0.75, 1.0)
 # rad, of the cycles by which directions are counted; of those by which changes are solved for.
-_COUNTED, _ACCURACY = 1e-6, 1e-10
+_COUNTED = 1e-6
+_ACCURACY = 1e-10
 # What those are off by, and their slopes; steps of the differences, of the range and rad.
-_CYCLE_ERROR, _SLOPE_ERROR = 1e-9, 1e-6
-_SETTING_STEP, _ANGLE_STEP, _ITERATIONS = 1e-5, 1e-4, 12
-_NODES, _HALVINGS = 96, 12
+_CYCLE_ERROR = 1e-9
+_SLOPE_ERROR = 1e-6
+_SETTING_STEP = 1e-5
+_ANGLE_STEP = 1e-4
+_ITERATIONS = 12
+_NODES = 96
+_HALVINGS = 12
 # rad: so far a turn is from nought where the directions beside a fold are counted.
 _BESIDE = 1e-3
 Ends = tuple[float, float]
@@ -179,17 +184,14 @@ def direction_margins(
     count = len(stable_points([replace(loop, accuracy=_COUNTED)])[0])
     margins = []
     for place, setting in enumerate(chosen):
-        value, unit = _value(setting, loop), float(setting.unit.in_si)
+        value = _value(setting, loop)
+        unit = float(setting.unit.in_si)
         assert value is not None
         with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", DoubtfulInput
-            )  # of places of the ring that are only tried
-            sides = [
-                _Way(loop, setting, value, end * unit, count).nearest()
-                for end in (setting.low, setting.high)
-            ]
-        (below, low), (above, high) = sides
+            # Of places of the ring that are only tried.
+            warnings.simplefilter("ignore", DoubtfulInput)
+            below, low = _Way(loop, setting, value, setting.low * unit, count).nearest()
+            above, high = _Way(loop, setting, value, setting.high * unit, count).nearest()
         span = unit * (setting.high - setting.low)
         margins.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
         report((place + 1) / len(chosen))
@@ -240,9 +242,10 @@ class _Way:
 
     def _between(self, near: float, far: float, beyond: int) -> DirectionChange:
         """The change of the number between two values."""
-        rich, ends = near if beyond < self.count else far, (min(near, far), max(near, far))
-        unit, setting = float(self.setting.unit.in_si), self.setting
-        step = _SETTING_STEP * unit * (setting.high - setting.low)
+        rich = near if beyond < self.count else far
+        ends = (min(near, far), max(near, far))
+        span = float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
+        step = _SETTING_STEP * span
         for theta, kind in self._starts(rich):
             solved = smooth_change(self.at, (theta, rich), SMOOTH[kind], step, ends)
             if solved is None:
@@ -255,13 +258,14 @@ class _Way:
                 return DirectionChange(solved.value, kind, solved.theta % TWO_PI, counts[1])
         for _ in range(_HALVINGS):
             middle = 0.5 * (near + far)
-            many = self.counted(middle)
-            near, far, beyond = (
-                (middle, far, beyond) if many == self.count else (near, middle, many)
-            )
-        return DirectionChange(
-            Estimate(0.5 * (near + far), 0.5 * abs(far - near)), "kink", math.nan, beyond
-        )
+            count = self.counted(middle)
+            if count == self.count:
+                near = middle
+            else:
+                far = middle
+                beyond = count
+        value = Estimate(0.5 * (near + far), 0.5 * abs(far - near))
+        return DirectionChange(value, "kink", math.nan, beyond)
 
     def _starts(self, value: float) -> Iterator[tuple[float, str]]:
         """Angles of a map at which Newton's method begins, and the kind of change that it seeks:
@@ -269,7 +273,8 @@ class _Way:
         """
         theta = TWO_PI * np.arange(_NODES) / _NODES
         batch = run_batch((self.at(value),), theta[None], 1)
-        slope, turn = batch.jacobian[0, :, -1, 0], np.abs(shorter_way(batch.theta_next[0] - theta))
+        slope = batch.jacobian[0, :, -1, 0]
+        turn = np.abs(shorter_way(batch.theta_next[0] - theta))
         for kind, target in SMOOTH.items():
             passes = np.flatnonzero((slope - target) * (np.roll(slope, -1) - target) <= 0.0)
             yield from ((float(theta[at]), kind) for at in passes[np.argsort(turn[passes])])
@@ -311,7 +316,8 @@ def smooth_change(
         if not abs(np.linalg.det(slopes)) > 1e-12:
             return None
         moved = -np.linalg.solve(slopes, residual)
-        theta, value = theta + float(np.clip(moved[0], -0.3, 0.3)), value + float(moved[1])
+        theta += float(np.clip(moved[0], -0.3, 0.3))
+        value += float(moved[1])
         if not ends[0] - slack <= value <= ends[1] + slack:
             return None
         if abs(moved[1]) < 1e-3 * step and abs(moved[0]) < 1e-6:
@@ -419,18 +425,13 @@ def change_curve(
         member = loop_from_settings({key: value_of_key, other: value_of_other}, exact)
 
         def slopes(theta: Array) -> Array:
-            return (
-                run_batch((member,), theta.reshape(1, -1), 1)
-                .jacobian[0, :, -1, 0]
-                .reshape(theta.shape)
-            )
+            batch = run_batch((member,), theta.reshape(1, -1), 1)
+            return batch.jacobian[0, :, -1, 0].reshape(theta.shape)
 
         return CircleMap(member.next_theta, slopes, max_error=_CYCLE_ERROR)
 
-    value, slope = (
-        Estimate(change.value / units[0], change.value.error_bound / units[0]),
-        SMOOTH[change.kind],
-    )
+    value = Estimate(change.value / units[0], change.value.error_bound / units[0])
+    slope = SMOOTH[change.kind]
     turn = float(exact.next_theta(change.theta)) - change.theta
     kind = change.kind.replace(" ", "-")
     winding = round(turn / TWO_PI)

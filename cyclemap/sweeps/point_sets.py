@@ -17,10 +17,11 @@ from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Slider, load_material
-from cyclemap.plain_text import json_value, plain_number, plain_whole
+from cyclemap.plain_text import json_value, key_and_value, plain_number, plain_whole
 from cyclemap.protocol.setting_table import POINTS, SETTINGS, WORD, Setting
 
-MATERIAL_KEY, FOOTPRINT_KEY = "material", "footprint"
+MATERIAL_KEY = "material"
+FOOTPRINT_KEY = "footprint"
 SWEPT = {
     **SETTINGS,
     MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD),
@@ -140,11 +141,10 @@ def parse_over(text: str) -> SweptKey:
     >>> parse_over("material=plywood,abs").values
     ('plywood', 'abs')
     """
-    key, equals, values = (word.strip() for word in text.partition("="))
-    if not (key and equals and values):
-        raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
+    key, values = key_and_value("--over", text, "key=start:stop:count or key=a,b,c")
     check_key(key)
-    kind, parts = SWEPT[key].kind, values.split(":")
+    kind = SWEPT[key].kind
+    parts = values.split(":")
     if kind == WORD:
         return SweepAxis(key, tuple(word.strip() for word in values.split(",")))
     if len(parts) == 1:

@@ -1,13 +1,15 @@
-"""The numbers of a point: what can be asked, the loop that its settings make, and what the portrait
-of it tells.
+"""The numbers of a point: what can be asked, as `quantities.toml` lists it, the loop that its
+settings make, and what the portrait of it tells.
 """
 
 from __future__ import annotations
 
 import hashlib
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -108,58 +110,10 @@ class Quantity:
         return np.asarray(np.degrees(values) if self.unit == "rad" else values, dtype=float)
 
 
-_FIXED = "fixed_point"
+_TEXT = (resources.files("cyclemap.sweeps") / "quantities.toml").read_text(encoding="utf-8")
 GROUPS: dict[str, tuple[Quantity, ...]] = {
-    "map": (
-        Quantity("samples", "1", "cycles that were run to find the map"),
-        Quantity("max_error", "rad", "bound on the error of the map"),
-    ),
-    "rotation": (
-        Quantity("rotation", "turns/cycle", "rotation number"),
-        Quantity("rotation_lower", "turns/cycle", "the rotation number is at least this"),
-        Quantity("rotation_upper", "turns/cycle", "the rotation number is at most this"),
-        Quantity(
-            "locked_winding", "1", "p where the rotation number is proved to be p/q; 0 elsewhere"
-        ),
-        Quantity(
-            "locked_period", "1", "q where the rotation number is proved to be p/q; 0 elsewhere"
-        ),
-    ),
-    "fixed_points": (
-        Quantity("fixed_points", "1", "number of fixed points of the map"),
-        Quantity("stable_points", "1", "number of stable fixed points"),
-        Quantity("fixed_point_theta", "rad", "directions of the fixed points", _FIXED),
-        Quantity("fixed_point_multiplier", "1", "multipliers of the fixed points", _FIXED),
-        Quantity("fixed_point_stable", "1", "1 where the fixed point is stable", _FIXED),
-        Quantity(
-            "gathering_jump_theta", "rad", "jumps about which orbits gather", "gathering_jump"
-        ),
-    ),
-    "turns": (
-        Quantity("mean_turn", "rad", "turn of a cycle, mean over start directions"),
-        Quantity("min_turn", "rad", "least turn of a cycle"),
-        Quantity("max_turn", "rad", "largest turn of a cycle"),
-        Quantity("min_slope", "1", "least slope of the map"),
-        Quantity("max_slope", "1", "largest slope of the map"),
-    ),
-    "stationary": (
-        Quantity(
-            "tv_from_uniform",
-            "1",
-            "total variation distance of the stationary law from the uniform one",
-        ),
-        Quantity(
-            "spectral_gap", "1", "one less the second largest eigenvalue's size, not certified"
-        ),
-        Quantity(
-            "mixing_cycles", "cycles", "cycles in which the slowest mode falls by e, not certified"
-        ),
-    ),
-    "staircase": (
-        Quantity("noisy_mean_turn", "rad", "turn of a cycle, mean over a long noisy run"),
-        Quantity("mean_residence_cycles", "cycles", "mean rest in a slow zone"),
-        Quantity("step", "rad", "height of a step of the staircase"),
-    ),
+    group: tuple(Quantity(name, **facts) for name, facts in quantities.items())
+    for group, quantities in tomllib.loads(_TEXT).items()
 }
 # What a phase diagram needs; each costs little beside the map.
 CHEAP_GROUPS = ("map", "rotation", "fixed_points", "turns")
@@ -182,7 +136,9 @@ def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:
 
 # How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics
 # are looked at.
-_COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
+_COARSER = 10.0
+_FIRST_ITERATES = 2048
+_SHARES = 8
 
 Values = dict[str, float | tuple[float, ...]]
 
@@ -381,7 +337,8 @@ class _Work:
         theta = pieces.knots[:-1] + np.linspace(0.0, 1.0, _SHARES, endpoint=False)[
             :, None
         ] * np.diff(pieces.knots)
-        turn, error = self.map.turn(theta.T.ravel()), self.map.max_error
+        turn = self.map.turn(theta.T.ravel())
+        error = self.map.max_error
         below, above = (np.floor((turn + side * error) / (2.0 * np.pi)) for side in (-1.0, 1.0))
         clear = np.flatnonzero(below == above)
         if not clear.size:
@@ -398,17 +355,13 @@ class _Work:
 
 def _rotation_values(work: _Work) -> Values:
     rotation = work.rotation
-    winding, period = (
-        (0, 0)
-        if rotation.locked is None
-        else (rotation.locked.numerator, rotation.locked.denominator)
-    )
+    locked = rotation.locked
     return {
         "rotation": float(rotation.value),
         "rotation_lower": rotation.lower,
         "rotation_upper": rotation.upper,
-        "locked_winding": float(winding),
-        "locked_period": float(period),
+        "locked_winding": 0.0 if locked is None else float(locked.numerator),
+        "locked_period": 0.0 if locked is None else float(locked.denominator),
     }
 
 

@@ -94,16 +94,12 @@ class SweepPlan:
         object.__setattr__(self, "materials", self._loaded_materials())
         # What the files hold counts, not their names: points found with other support points are
         # other points.
-        names = {
-            str(self.settings.get(FOOTPRINT_KEY, "")),
-            *_listed_words(self.points, FOOTPRINT_KEY),
-        }
-        files = (Path(name) for name in sorted(names) if name)
-        digests = {
-            str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16]
-            for file in files
-            if file.is_file()
-        }
+        swept = _listed_words(self.points, FOOTPRINT_KEY)
+        digests = {}
+        for name in sorted({str(self.settings.get(FOOTPRINT_KEY, "")), *swept}):
+            file = Path(name)
+            if file.is_file():
+                digests[str(file)] = _digest(file.read_bytes())
         object.__setattr__(self, "footprint_files", digests)
         # Settings with which no loop can be made: not by themselves, nor at the first or the last
         # point.
@@ -215,15 +211,12 @@ class SweepPlan:
         swept = self.points.settings(number)
         settings = {**self.settings, **swept}
         name = str(settings.pop(MATERIAL_KEY, ""))
-        material, numbers = self.materials[name], self.numbers
-        facts: list[object] = [
-            _fingerprint(material),
-            settings,
-            numbers.described(),
-            numbers.version,
-        ]
+        material = self.materials[name]
+        numbers = self.numbers
+        facts = [_fingerprint(material), settings, numbers.described(), numbers.version]
         file = str(Path(str(settings.get(FOOTPRINT_KEY, ""))))
-        facts += [self.footprint_files[file]] if file in self.footprint_files else []
+        if file in self.footprint_files:
+            facts.append(self.footprint_files[file])
         digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
         return SweptPoint(number, digest, material, settings, swept)
 
@@ -279,4 +272,8 @@ def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:
 @lru_cache(maxsize=64)
 def _fingerprint(material: Material) -> str:
     """A digest of all that a material says; the repr of a float is exact."""
-    return hashlib.sha256(repr(material).encode()).hexdigest()[:16]
+    return _digest(repr(material).encode())
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]

@@ -115,14 +115,11 @@ class Sweep:
 
     def places(self) -> tuple[NDArray[np.int64], ...]:
         """Where each point stands along each axis, (n,) an axis."""
-        lookups = (
-            {json.dumps(value): place for place, value in enumerate(axis.values)}
-            for axis in self.axes
-        )
-        return tuple(
-            np.array([lookup[json.dumps(value)] for value in self.table[axis.key]], dtype=np.int64)
-            for axis, lookup in zip(self.axes, lookups, strict=True)
-        )
+        places = []
+        for axis in self.axes:
+            place_of = {value: place for place, value in enumerate(axis.values)}
+            places.append(self.table[axis.key].map(place_of).to_numpy(dtype=np.int64))
+        return tuple(places)
 
     def select(self, **wanted: Wanted) -> Sweep:
         """Return the points whose swept keys have a value, lie within a pair (low, high), or are in
@@ -317,9 +314,9 @@ def _word(value: object) -> str:
 def _padded(sweep: Sweep, quantity: Quantity) -> Array:
     """The lists of the points as files have them, (n, longest), nan behind their ends."""
     lists = sweep.table[quantity.name]
-    rows = np.full((len(lists), max((row_values.size for row_values in lists), default=0)), np.nan)
-    for row, row_values in zip(rows, lists, strict=True):
-        row[: row_values.size] = row_values
+    rows = np.full((len(lists), max(map(len, lists), default=0)), np.nan)
+    for row, values in zip(rows, lists, strict=True):
+        row[: len(values)] = values
     return quantity.written(rows)
 
 
@@ -368,11 +365,10 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
             variables[quantity.written_name] = (dimensions, values, attributes)
             continue
         rows = _padded(sweep, quantity)
-        padded, count = np.full((*shape, rows.shape[-1]), np.nan), np.zeros(shape, dtype=np.int64)
-        padded[at], count[at] = (
-            rows,
-            [values_there.size for values_there in sweep.table[quantity.name]],
-        )
+        padded = np.full((*shape, rows.shape[-1]), np.nan)
+        padded[at] = rows
+        count = np.zeros(shape, dtype=np.int64)
+        count[at] = sweep.table[quantity.name].map(len)
         about = {
             "units": "1",
             "long_name": f"how many {quantity.many.replace('_', ' ')}s there are",

@@ -279,7 +279,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             run("PRAGMA journal_mode = WAL")
 
     def _check_same(self, stored: Description, wanted: Description) -> None:
-        there, plan = stored["plan"], wanted["plan"]
+        there = stored["plan"]
+        plan = wanted["plan"]
         other = [name for name in plan if there.get(name) != plan[name]]
         if other == ["code"]:
             raise InvalidInput(

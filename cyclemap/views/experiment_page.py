@@ -27,7 +27,7 @@ from cyclemap.views.panels.style import (
     degree_axis,
     unwrapped_axis,
 )
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, counted
 
 _MARKERS = "os^vDP*X"
 # On a material, and on its isotropic twin.
@@ -104,7 +104,7 @@ def experiment_headline(experiment: BatchExperiment) -> str:
     """Where the batches end on the material, and how soon; of batches that end nowhere how far they
     still turn.
     """
-    run, cycles = experiment.anisotropic, _count(experiment.cycles, "cycle")
+    run, cycles = experiment.anisotropic, counted(experiment.cycles, "cycle")
     count, directions = len(run.theta), run.directions()
     if not directions:
         # Of small steps also why they are no rest.
@@ -119,7 +119,7 @@ def experiment_headline(experiment: BatchExperiment) -> str:
         return (
             f"Not every batch comes to rest in {cycles}: the last cycle still turns one by {turned}"
         )
-    after = _count(int(run.settled_after().max()), "cycle")
+    after = counted(int(run.settled_after().max()), "cycle")
     soon = f"within 1° of it for good after {'' if count == 1 else 'at most '}{after}"
     if len(directions) == 1:
         who = "The batch ends" if count == 1 else f"All {count} batches end"
@@ -155,7 +155,7 @@ def method_line(experiment: BatchExperiment) -> str:
     """How the experiment was run."""
     batches = len(experiment.starts)
     total = (
-        f"{_count(batches * experiment.cycles, 'cycle')}: {_count(batches, 'batch', 'es')} "
+        f"{counted(batches * experiment.cycles, 'cycle')}: {counted(batches, 'batch', 'es')} "
         f"of {experiment.cycles}"
     )
     if experiment.speed is None:
@@ -170,10 +170,6 @@ def length(metres: float) -> str:
     ('12.3 mm', '0.42 µm', '0.001 µm')
     """
     return f"{1e3 * metres:.1f} mm" if metres >= 1e-4 else f"{max(1e6 * metres, 1e-3):.2g} µm"
-
-
-def _count(count: int, noun: str, plural: str = "s") -> str:
-    return f"{count} {noun}{plural * (count != 1)}"
 
 
 def _path_clause(run: BatchRun) -> str:
@@ -245,13 +241,21 @@ def draw_both_turns(axes: Axes, both: Twins) -> None:
 def difference_sentence(comparison: DynamicsComparison) -> str:
     """How far the dynamic simulation is from the quasi-static model,
     at most over the orientations."""
-    push, drag, cycle = (math.degrees(largest(comparison.difference(name))) for name, *_ in _TURNS)
-    place = 1e3 * largest(comparison.difference("push_displacement"))
-    count = comparison.dynamic.theta.size
     return (
-        f"{comparison.loop.loop.material.name}: dynamic and quasi-static differ by at most "
-        f"{push:.3f}° in the push, {drag:.3f}° in the drag, {cycle:.3f}° in the cycle, {place:.3f} "
-        f"mm in the push's displacement ({count} orientation{'s' * (count != 1)})."
+        f"{comparison.loop.loop.material.name}: dynamic and quasi-static differ by "
+        f"{differences(comparison, 3)} ({counted(comparison.dynamic.theta.size, 'orientation')})."
+    )
+
+
+def differences(comparison: DynamicsComparison, decimals: int) -> str:
+    """The largest differences of both models, in degrees and millimetres."""
+    push, drag, cycle = (
+        f"{math.degrees(largest(comparison.difference(name))):.{decimals}f}°" for name, *_ in _TURNS
+    )
+    place = f"{1e3 * largest(comparison.difference('push_displacement')):.{decimals}f} mm"
+    return (
+        f"at most {push} in the push, {drag} in the drag, {cycle} in the cycle, {place} in the "
+        "push's displacement"
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
@@ -138,7 +138,7 @@ def surface_sentence(prediction: Prediction, material: str) -> str:
         return f"{material} is the same in every direction."
     return (
         f"{material}: offset {100 * surface.offset:.1f} % along "
-        f"{angle(surface.offset_direction % (2 * math.pi))}, ellipticity "
+        f"{angle(surface.offset_direction % TWO_PI)}, ellipticity "
         f"{100 * surface.ellipticity:.1f} % along {angle(surface.ellipse_direction)}."
     )
 

@@ -4,11 +4,13 @@ staircase and turns.
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.measured_cycle_map import (
     FEWEST_FOR_WEAR,
@@ -26,11 +28,12 @@ from cyclemap.views.panels.orientation import (
     draw_law,
     draw_measured,
     draw_outcome,
+    draw_pace,
     draw_recorded,
+    draw_staircase,
     keep_to,
     turn_axes,
 )
-from cyclemap.views.panels.staircase import draw_pace, draw_staircase
 from cyclemap.views.panels.style import (
     BAND,
     BARS,
@@ -93,9 +96,9 @@ def _cycle_panels(measured: MeasuredCycleMap | None) -> list[Panel]:
     return panels
 
 
-def draw_motion_law(axes: Axes, law: MotionLaw) -> None:
+def draw_motion_law(axes: Axes, law: MotionLaw, **look: Any) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
-    draw_outcome(axes, law.theta, law.value, law.quantity)
+    draw_outcome(axes, law.theta, law.value, law.quantity, **look)
     if law.law is None:
         say(axes, "no law")
     else:
@@ -121,10 +124,11 @@ def draw_worn_turns(axes: Axes, measured: MeasuredCycleMap) -> None:
     keep_to(axes, turns, min(ends), max(ends))
 
 
-def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
+def draw_turn_histogram(axes: Axes, histogram: TurnHistogram, **look: Any) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    axes.stairs(histogram.measured, edges, fill=True, label="measured", **BARS)
+    bars = {**BARS, "label": "measured", **look}
+    axes.stairs(histogram.measured, edges, fill=True, **bars)
     axes.stairs(histogram.predicted, edges, label="law with scatter", **LINE)
     # A law alone piles up where it is flat: columns that run out of the panel are told by their
     # height.
@@ -178,10 +182,10 @@ def count_sentence(fit: SetFit) -> str:
         f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.",
         covered_arcs(pushes.theta),
     )
-    if arcs == ((0.0, 2 * np.pi),):
+    if arcs == ((0.0, TWO_PI),):
         return counted
     size = angle(sum(high - low for low, high in arcs), 0)
-    where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
+    where = [f"{angle(low, 0)} to {angle(high % TWO_PI, 0)}" for low, high in arcs]
     return (
         f"{counted} θ0 covers {size} of the circle ({listed(where)}); nothing is said of the rest."
     )

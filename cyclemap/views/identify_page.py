@@ -20,7 +20,7 @@ from cyclemap.evidence.identified_material import (
     IdentifiedCurves,
     StrokeFit,
 )
-from cyclemap.evidence.identified_words import misfit_words, readable_kind, readable_unit
+from cyclemap.evidence.identified_words import misfit_words, readable_kind
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import Panel, draw_panels, entitle, page, rows_of
@@ -171,10 +171,7 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
 
 def draw_interval(axes: Axes, estimate: Estimate) -> None:
     """The interval of one parameter on an axis of its own, its name at the left."""
-    unit = readable_unit(estimate.unit)
-    value, lower, upper = (
-        unit.of_si(end) for end in (estimate.value, estimate.lower, estimate.upper)
-    )
+    unit, value, lower, upper = estimate.readable
     color = PREDICTED if estimate.identifiable else QUIET
     axes.plot([lower, upper], [0.0, 0.0], color=color, linewidth=2.2, solid_capstyle="butt")
     axes.plot(value, 0.0, "o", color=color, markersize=5)

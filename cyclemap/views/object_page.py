@@ -11,15 +11,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
-from cyclemap.evidence.push_plan.plan_pushes import PushPlan
+from cyclemap.evidence.plan_pushes import PushPlan
 from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
-from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.layout import entitle, grid_of, page
 from cyclemap.views.panels.scene import (
     LATER,
     MM,
@@ -64,20 +64,21 @@ def object_page(checked: CheckedCollection) -> Figure:
 def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     """One cycle from θ0 = 0 in the world, whose origin is the target."""
     try:
-        scene = loop.cycle(0.0).scene()
+        course = loop.cycle(0.0).trajectory
     except CycleMapError:
         axes.axis("off")
         say(axes, "no cycle can be run")
         return
-    draw_object(axes, scene.push.before, label="before the push")
-    draw_object(axes, scene.push.after, label="after it", **{**LATER, "edgecolor": PREDICTED})
-    draw_object(axes, scene.drag.after, label="after the drag back", **{**LATER, "linestyle": "-"})
-    draw_way(axes, scene.push.rod, color=FORCE, linewidth=1.6, label="way of the rod")
-    arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
+    poses, outline = (course.push.pose[0], *course.drag.pose[[0, -1]]), loop.slider.outline_points()
+    before, pushed, dragged = (placed(pose, outline) for pose in poses)
+    draw_object(axes, before, label="before the push")
+    draw_object(axes, pushed, label="after it", **{**LATER, "edgecolor": PREDICTED})
+    draw_object(axes, dragged, label="after the drag back", **{**LATER, "linestyle": "-"})
+    draw_way(axes, course.push.pusher, color=FORCE, linewidth=1.6, label="way of the rod")
+    arrow(axes, MM * placed(poses[1], np.array(loop.slider.hitch)), np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     mark_target(axes)
-    corners = [scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]
-    square_window(axes, MM * np.vstack(corners))
+    square_window(axes, axes.dataLim.get_points())
     axes.set(xlabel="x (mm), world", ylabel="y (mm)")
     way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
     towards = math.degrees(math.atan2(way[1], way[0]))
@@ -170,13 +171,9 @@ def plan_page(plan: PushPlan) -> Figure:
     tall = _WIDTH * plan.room[1] / plan.room[0] + _BESIDE
     size = (_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
     title, *words = plan_sentences(plan)
-    layout = rows_of(*(_COLUMNS,) * rows)
-    figure, panels = page(layout, title, words, _FOOT, size=size)
+    figure, panels = page(grid_of(count, _COLUMNS), title, words, _FOOT, size=size)
     for index, axes in enumerate(panels):
-        if index < count:
-            _draw_push(axes, plan, index)
-        else:
-            axes.set_axis_off()
+        _draw_push(axes, plan, index)
     return figure
 
 

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait import Portrait, StaircaseForecast
 from cyclemap.collection.portrait_curves import PortraitCurves
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps
 from cyclemap.views import sentences
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.orientation import draw_staircase, draw_step_lengths, draw_steps
 from cyclemap.views.panels.scene import cycle_key, draw_cycle
-from cyclemap.views.panels.staircase import draw_staircase, draw_step_lengths, draw_steps
 from cyclemap.views.panels.style import SECOND, picture_style
 from cyclemap.views.sentences import (
     LONGEST_STAY,
@@ -44,7 +45,7 @@ def portrait_page(
         sentences.headline(portrait),
         words,
         foot,
-        cycle_key(curves.scene),
+        cycle_key(portrait.cycle),
         width_ratios=(5.2, 2.75, 3.2),
     )
     turn, cobweb, push, density, staircase, drag = panels
@@ -62,8 +63,8 @@ def portrait_page(
     if measured is not None:
         orientation.draw_measured_turns(turn, measured.pairs, measured.bins)
         orientation.draw_recorded(density, measured.histogram)
-    draw_cycle(push, drag, curves.scene)
     cycle = portrait.cycle
+    draw_cycle(push, drag, cycle)
     start, pushed, dragged = map(sentences.angle, (cycle.theta, cycle.push_turn, cycle.drag_turn))
     titles = (
         f"Turn of one cycle{', fresh' * (portrait.worn is not None)}",
@@ -228,7 +229,7 @@ def _found(steps: Steps) -> str:
     if not steps.levels.size:
         return "rests nowhere"
     if not steps.count:
-        return f"stays at {angle(float(np.mod(steps.levels[0], 2 * np.pi)))}"
+        return f"stays at {angle(float(np.mod(steps.levels[0], TWO_PI)))}"
     length = f"{number(float(np.median(steps.lengths)))} cycles"
     return (
         f"makes {steps.count} steps of {angle(float(np.median(steps.heights)), 0)} after "

@@ -11,8 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Whole
-from cyclemap.collection.cycle_scene import placed
+from cyclemap.arrays import Whole, placed
 from cyclemap.evidence.comparison.replay_push import Replay
 from cyclemap.evidence.comparison.replay_table import ReplayedPushes
 from cyclemap.evidence.identified_words import MOST_RATIO
@@ -36,7 +35,7 @@ from cyclemap.views.panels.style import (
     ZERO,
     picture_style,
 )
-from cyclemap.views.sentences import angle, orientation_and_push
+from cyclemap.views.sentences import angle, counted, orientation_and_push
 
 # Samples drawn, and pushes shown: the first ones tell what was taken for what.
 _MOST_SAMPLES, _MOST_PUSHES = 4000, 12
@@ -139,7 +138,7 @@ def probe_page(probe: Probe) -> Figure:
     # The mean motion is free in the fit: it is what the object rests on, not the direction.
     mimicked += probe.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
     for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
-        draw_outcome(axes, probe.theta, probe.change[:, column], outcome, "probed")
+        draw_outcome(axes, probe.theta, probe.change[:, column], outcome, label="probed")
         title, _, scale, _ = orientation.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
         axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **LINE)
@@ -162,7 +161,7 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     """How many pushes were replayed and how far off they end, in a sentence."""
     error, turn_error = replayed.mean_errors
     count, left_out = len(replayed.table), len(replayed.not_replayed)
-    also = f"; {left_out} file{'s' * (left_out != 1)} could not be" if left_out else ""
+    also = f"; {counted(left_out, 'file')} could not be" if left_out else ""
     ends = "ends" if count == 1 else "they end"
     who = "1 push replayed: it" if count == 1 else f"{count} pushes replayed:"
     return f"{who} {ends} {1e3 * error:.1f} mm and {angle(turn_error)} off on average{also}."

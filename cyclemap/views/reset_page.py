@@ -28,9 +28,14 @@ from cyclemap.resets import (
     ResetStrategy,
 )
 from cyclemap.views.panels.layout import entitle, new_figure, page, panels_in, write_page
-from cyclemap.views.panels.orientation import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
+from cyclemap.views.panels.orientation import (
+    PER_DEGREE,
+    draw_histogram,
+    draw_recorded,
+    draw_staircase,
+    draw_turns,
+)
 from cyclemap.views.panels.scene import MM, draw_object, draw_ring, number_sides
-from cyclemap.views.panels.staircase import draw_staircase
 from cyclemap.views.panels.style import (
     BAND,
     DOTS,
@@ -270,43 +275,41 @@ def recipe(strategy: ResetStrategy) -> str:
     >>> recipe(ResetStrategy.pushes(SidePush(), (1, 2)))
     'before every push toss a coin: heads push side 1, tails push side 2, each at 0.7'
     """
-    ring, actions, order = "", strategy.actions, strategy.order
-    if strategy.hitch is not None:
-        ring = (
-            f"put the ring at ({1e3 * strategy.hitch[0]:.1f}, {1e3 * strategy.hitch[1]:.1f}) "
-            "mm of the object; "
-        )
+    if strategy.hitch is None:
+        return _order_words(strategy)
+    x, y = (1e3 * coordinate for coordinate in strategy.hitch)
+    return f"put the ring at ({x:.1f}, {y:.1f}) mm of the object; {_order_words(strategy)}"
+
+
+def _order_words(strategy: ResetStrategy) -> str:
+    """Which action to take before each push."""
+    actions, order = strategy.actions, strategy.order
     words, common = _named(actions)
     if len(actions) == 1:
-        return ring + (
-            "leave everything as it is"
-            if actions[0] == CycleAction()
-            else f"always {words[0]}{common}"
-        )
+        is_own = actions[0] == CycleAction()
+        return "leave everything as it is" if is_own else f"always {words[0]}{common}"
     if strategy.weights is None and order == "random" and (round_about := _round_about(actions)):
-        return f"{ring}{round_about}, drawn at random"
+        return f"{round_about}, drawn at random"
     shuffled = f"in shuffled blocks of {sum(strategy.counts)}"
     ordered = {"random": "drawn before every push", "in turn": "in turn"}.get(order, shuffled)
     if len(actions) > _MOST_TOLD:
-        return f"{ring}take one of {len(actions)} actions, {ordered} (see the protocol file)"
+        return f"take one of {len(actions)} actions, {ordered} (see the protocol file)"
     if order != "random":
-        return f"{ring}{ordered}: {', '.join(words)}{common}"
+        return f"{ordered}: {', '.join(words)}{common}"
     weights = np.array(strategy.weights or (1.0,) * len(words))
     if not np.allclose(weights, weights.round(), rtol=0.0, atol=1e-9):
         shares = [
             f"{share:.1%} {word}"
             for share, word in zip(strategy.shares.tolist(), words, strict=True)
         ]
-        return f"{ring}before every push draw: {', '.join(shares)}{common}"
+        return f"before every push draw: {', '.join(shares)}{common}"
     counts, lots = [round(weight) for weight in weights.tolist()], round(weights.sum())
     if counts == [1, 1]:
-        return f"{ring}before every push toss a coin: heads {words[0]}, tails {words[1]}{common}"
+        return f"before every push toss a coin: heads {words[0]}, tails {words[1]}{common}"
     draws = ", ".join(
         f"{count} of {lots} {word}" for count, word in zip(counts, words, strict=True)
     )
-    return (
-        f"{ring}before every push {_DRAWS.get(lots, f'draw one of {lots} lots')}: {draws}{common}"
-    )
+    return f"before every push {_DRAWS.get(lots, f'draw one of {lots} lots')}: {draws}{common}"
 
 
 def _named(actions: Sequence[CycleAction]) -> tuple[list[str], str]:
@@ -329,7 +332,7 @@ def _round_about(actions: Sequence[CycleAction]) -> str:
     """Turns of a gripper, or legs of one length, in all directions, as one; empty where they are
     not these.
     """
-    count, step = len(actions), 2.0 * math.pi / len(actions)
+    count, step = len(actions), TWO_PI / len(actions)
     ways = [action.way_points or () for action in actions if action.push is None]
     if len(ways) == count and not any(ways):
         by = {2: "a half turn or not", 4: "0, 90, 180 or 270°"}.get(

@@ -8,6 +8,7 @@ from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.collection.lock_forecast import ORIENTATIONS, LockForecast
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import (
@@ -88,7 +89,7 @@ def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) 
     'orientation 63.2°, pushed towards −26.8°'
     """
     way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
-    towards = math.remainder(theta + math.atan2(way[1], way[0]), 2.0 * math.pi)
+    towards = math.remainder(theta + math.atan2(way[1], way[0]), TWO_PI)
     return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
 
 
@@ -98,7 +99,7 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
         return ""
     if not known.is_posterior:
         ends = [
-            (angle(interval.lower, 0), angle(interval.upper % (2 * math.pi), 0))
+            (angle(interval.lower, 0), angle(interval.upper % TWO_PI, 0))
             for interval in known.directions
         ]
         intervals = [" to ".join(dict.fromkeys(pair)) for pair in ends]
@@ -119,9 +120,7 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
         if known.has_interval(direction):
             intervals.append(f"{_ends(direction)} (in {direction.share:.0%} of samples)")
         elif count:
-            both = dict.fromkeys(
-                (angle(direction.lower, 0), angle(direction.upper % (2.0 * math.pi), 0))
-            )
+            both = dict.fromkeys((angle(direction.lower, 0), angle(direction.upper % TWO_PI, 0)))
             few.append(f"{count} at {' to '.join(both)}")
     places = [f"95 % of them at {listed(intervals)}"] if intervals else []
     places += [f"only {listed(few)}"] if few else []
@@ -153,7 +152,7 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
         f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen ({seen.lower:.0f} "
         f"to {seen.upper:.0f})"
     )
-    lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
+    lead = "Of" if start is None else f"From {angle(start % TWO_PI)} on, of"
     return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {seen_words}."
 
 
@@ -161,7 +160,7 @@ def _ends(interval: DirectionInterval) -> str:
     decimals, low, high = _decimals(interval), interval.lower, interval.upper
     ends = (
         angle(low, decimals),
-        angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals),
+        angle(high % TWO_PI if high > TWO_PI else high, decimals),
     )
     return " to ".join(dict.fromkeys(ends))
 
@@ -348,7 +347,7 @@ def staircase_sentence(portrait: Portrait) -> str:
     if portrait.worn is not None:
         path = portrait.staircase.theta
         run = f"one run of {portrait.staircase.cycles} cycles (seed {portrait.staircase.seed})"
-        climbed = rounded((path[-1] - path[0]) / (2 * math.pi), 1)
+        climbed = rounded((path[-1] - path[0]) / TWO_PI, 1)
         return (
             f"As the surface wears, {run} makes {climbed} turns; by then θ0 rests "
             f"{worn_rests(portrait.worn)}."
@@ -493,6 +492,15 @@ def number(value: float) -> str:
 def cycles(value: float | None) -> str:
     """A number of cycles for people."""
     return "an unknown number of cycles" if value is None else f"{number(value)} cycles"
+
+
+def counted(count: int, noun: str, plural: str = "s") -> str:
+    """A number of things for people.
+
+    >>> counted(1, "cycle"), counted(3, "push", "es")
+    ('1 cycle', '3 pushes')
+    """
+    return f"{count} {noun}{plural * (count != 1)}"
 
 
 def listed(words: Iterable[str]) -> str:

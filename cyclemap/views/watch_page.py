@@ -2,7 +2,6 @@
 directions, what they are worth, and evidence or what the reset did.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -35,7 +34,7 @@ from cyclemap.views.panels.style import (
     whole_turn_ticks,
 )
 from cyclemap.views.reset_page import action_words
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, counted
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 # The panels of a course: the third is round.
@@ -150,7 +149,9 @@ def watch_sentences(report: BiasReport) -> tuple[str, ...]:
             f"of the {_power(report.threshold)} needed at an alarm rate of "
             f"{2.0 * 10.0**-report.threshold:g}"
         )
-        verdict = f"No alarm in {_pushes(report.push + 1)}: evidence {evidence} {needed}."
+        verdict = (
+            f"No alarm in {counted(report.push + 1, 'push', 'es')}: evidence {evidence} {needed}."
+        )
     sentences = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
     return tuple(filter(None, sentences))
 
@@ -173,7 +174,7 @@ def rest_sentence(report: BiasReport) -> str:
     if report.rest is None:
         return ""
     useful = report.useful_pushes
-    pushes = _pushes(useful) if useful else "no push"
+    pushes = counted(useful, "push", "es") if useful else "no push"
     worth = "" if useful is None else f"; {pushes} more there would tell much that is new"
     return (
         f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
@@ -187,9 +188,7 @@ def coverage_sentence(report: BiasReport) -> str:
         f"worth {effective:.{int(effective < 10.0)}f} spread evenly ({report.recent_worth:.2f} a "
         "push lately)"
     )
-    return (
-        f"{covered(report.coverage)}; the {_pushes(count)} {'is' if count == 1 else 'are'} {worth}."
-    )
+    return f"{covered(report.coverage)}; the {counted(count, 'push', 'es')} {'is' if count == 1 else 'are'} {worth}."
 
 
 def covered(state: CoverageState) -> str:
@@ -214,10 +213,6 @@ def next_action_sentence(action: CycleAction, chosen: NextAction) -> str:
 def directions(angles: Sequence[float]) -> str:
     """Directions (rad) in degrees, one after the other."""
     return ", ".join(angle(theta) for theta in angles)
-
-
-def _pushes(count: int) -> str:
-    return f"{count} push" if count == 1 else f"{count} pushes"
 
 
 def _power(log10: float) -> str:
@@ -259,9 +254,7 @@ def _covering(audit: Audit) -> str:
             f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
             f"{angle(state.gap_centre, 0)}"
         )
-    arc_words = ", ".join(
-        f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in arcs[:4]
-    )
+    arc_words = ", ".join(f"{angle(low, 0)} to {angle(high % TWO_PI, 0)}" for low, high in arcs[:4])
     more = f" and {len(arcs) - 4} arcs more" if len(arcs) > 4 else ""
     return f"cover {arc_words}{more}: {state.covered:.0%} of the circle is within 5° of one"
 

@@ -16,7 +16,7 @@ from sphinx.util.osutil import relative_uri
 from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.protocol import loop_from_settings
 from cyclemap.protocol.chosen_loop import set_settings
-from cyclemap.views.explorer.page import page_html
+from cyclemap.views.explorer_page import page_html
 
 FOLDER = "_static/explorer"
 # Pixels that the pictures and half the sliders fill.

@@ -5,15 +5,15 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle, Ellipse, Polygon
+from matplotlib.patches import Arc, Circle, Ellipse
 
 import cyclemap as cm
-from cyclemap.collection.cycle_scene import StrokeScene, placed
+from cyclemap.arrays import placed
 from cyclemap.views.panels.layout import new_figure
-from cyclemap.views.panels.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.panels.scene import LATER, MM, draw_object, draw_rod, draw_way
+from cyclemap.views.panels.style import FORCE, INK, MEASURED_EDGE, PREDICTED, QUIET
 
 THETA0 = math.radians(30)
-MM = 1000.0
 WINDOWS = ((-80.0, 130.0, -108.0, 86.0), (-66.0, 144.0, -108.0, 86.0))
 
 
@@ -21,13 +21,11 @@ def draw() -> Figure:
     """Return the drawing: one cycle of the MIT protocol on plywood from θ0 = 30°."""
     loop = cm.CollectionLoop.mit(material="plywood")
     cycle = loop.cycle(THETA0)
-    scene = cycle.scene()
     figure = new_figure(10.4, 5.3)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.01, right=0.99, bottom=0.02, top=0.92, wspace=0.02)
-    before = np.array([*cycle.push.trajectory.pose[0]])
-    draw_before(left, loop, scene.push, before)
-    draw_after(right, loop, cycle, scene.push)
+    draw_before(left, cycle)
+    draw_after(right, cycle)
     titles = ("Before the push", "After the push, and the way back")
     for axes, window, title in zip((left, right), WINDOWS, titles, strict=True):
         axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", title=title)
@@ -35,21 +33,22 @@ def draw() -> Figure:
     return figure
 
 
-def draw_before(axes: Axes, loop: cm.CollectionLoop, push: StrokeScene, pose: np.ndarray) -> None:
+def draw_before(axes: Axes, cycle: cm.Cycle) -> None:
     """Draw the world and the object's frame, θ0, the sides, the contact, the rod and the ring."""
+    course, slider = cycle.push.trajectory, cycle.loop.slider
+    pose = course.pose[0]
     world_frame(axes)
-    axes.add_patch(
-        Polygon(MM * push.before, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6)
-    )
+    draw_object(axes, placed(pose, slider.outline_points()))
     object_frame(axes, pose)
-    number_sides(axes, loop, pose)
-    ring(axes, MM * push.ring_before, "-")
-    label(axes, "ring, at the target\n(the world's origin)", MM * push.ring_before, (-78, -66))
-    rod(axes, push, first=True)
+    number_sides(axes, cycle.loop, pose)
+    place = MM * placed(pose, np.array(slider.hitch))
+    ring(axes, place, "-")
+    label(axes, "ring, at the target\n(the world's origin)", place, (-78, -66))
+    draw_rod(axes, course.pusher[0], cycle.loop.pusher.radius, facecolor="white")
     contact = MM * placed(pose, np.array([-0.018, 0.045]))
     label(axes, "contact: side 0,\nfraction 0.7", contact, (-76, 74))
     way = MM * (placed(pose, np.array([-0.018, 0.0])) - placed(pose, np.array([-0.018, 0.045])))
-    start = MM * push.rod[0]
+    start = MM * course.pusher[0]
     arrow(axes, start, start + 0.55 * way, FORCE)
     label(
         axes,
@@ -61,24 +60,25 @@ def draw_before(axes: Axes, loop: cm.CollectionLoop, push: StrokeScene, pose: np
     surface_axes(axes)
 
 
-def draw_after(axes: Axes, loop: cm.CollectionLoop, cycle: cm.Cycle, push: StrokeScene) -> None:
+def draw_after(axes: Axes, cycle: cm.Cycle) -> None:
     """Draw the object at both ends of the push, Δx, Δy and Δθ, and the ring's way back."""
-    first, last = (np.array([*cycle.push.trajectory.pose[i]]) for i in (0, -1))
-    axes.add_patch(Polygon(MM * push.before, facecolor="none", edgecolor=QUIET, linestyle="--"))
-    axes.add_patch(
-        Polygon(MM * push.after, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6)
-    )
-    ring(axes, MM * push.ring_before, "--")
-    ring(axes, MM * push.ring_after, "-")
-    axes.plot(*(MM * push.rod).T, color=INK, linewidth=1.2, linestyle=":")
-    rod(axes, push, first=False)
+    course, slider = cycle.push.trajectory, cycle.loop.slider
+    first, last = course.pose[[0, -1]]
+    before, after = (placed(pose, slider.outline_points()) for pose in (first, last))
+    draw_object(axes, before, **LATER)
+    draw_object(axes, after)
+    home, away = (MM * placed(pose, np.array(slider.hitch)) for pose in (first, last))
+    ring(axes, home, "--")
+    ring(axes, away, "-")
+    draw_way(axes, course.pusher, color=INK, linewidth=1.2, linestyle=":")
+    draw_rod(axes, course.pusher[-1], cycle.loop.pusher.radius)
     displacement(axes, first, cycle.push_displacement)
     turn_arc(axes, MM * last[:2], 30.0, float(first[2]), float(last[2]), r"$\Delta\theta$")
     axes.plot(*(MM * last[:2]), "o", color=PREDICTED, markersize=4)
-    arrow(axes, MM * push.ring_after, MM * push.ring_before, MEASURED_EDGE)
-    middle = MM * (0.45 * push.ring_after + 0.55 * push.ring_before)
+    arrow(axes, away, home, MEASURED_EDGE)
+    middle = 0.45 * away + 0.55 * home
     label(axes, "drag: the ring goes straight\nback to the target", middle, (-62, -84))
-    label(axes, "before", MM * push.before[0], (66, 70))
+    label(axes, "before", MM * before[0], (66, 70))
 
 
 def world_frame(axes: Axes) -> None:
@@ -221,20 +221,6 @@ def ring(axes: Axes, place: np.ndarray, style: str) -> None:
             edgecolor=MEASURED_EDGE,
             linestyle=style,
             linewidth=1.6,
-        )
-    )
-
-
-def rod(axes: Axes, push: StrokeScene, first: bool) -> None:
-    """Draw the rod where the push begins or ends."""
-    place = MM * push.rod[0 if first else -1]
-    axes.add_patch(
-        Circle(
-            tuple(place),
-            MM * push.rod_radius,
-            facecolor="white" if first else INK,
-            edgecolor=INK,
-            zorder=5,
         )
     )
 

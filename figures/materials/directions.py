@@ -5,6 +5,7 @@ materials, and how θ0, not wrapped, climbs over 2000 pushes.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,8 +17,13 @@ from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.evidence.laws.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views.panels.orientation import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
-from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.orientation import (
+    CIRCLE,
+    PER_DEGREE,
+    draw_histogram,
+    draw_recorded,
+    draw_staircase,
+)
 from cyclemap.views.panels.style import LINE, SECOND, THIRD, name_tag
 from cyclemap.views.sentences import angle, listed
 
@@ -33,7 +39,7 @@ from .simulated_collections import (
     sampled_run,
 )
 
-UNIFORM = 1.0 / (2 * np.pi)
+UNIFORM = 1.0 / TWO_PI
 # A maximum of the density counts as a peak from this many times the uniform density on.
 LEAST_PEAK = 0.5
 # The paper's words for the peaks, in the order of `PublishedStatistics.directions`.
@@ -104,7 +110,9 @@ def theta0_histograms(
 
 def draw_theta0_histograms(result: tuple[MaterialDirections, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials([panel.run.surface for panel in result], result, _draw_directions)
+    return draw_materials(
+        [(panel.run.surface, partial(_draw_directions, panel=panel)) for panel in result]
+    )
 
 
 def _draw_directions(axes: Axes, panel: MaterialDirections) -> None:
@@ -255,7 +263,9 @@ def climb_of(path: Array, level: float) -> Climb:
 
 def draw_staircases(result: tuple[MaterialStaircase, ...]) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials([panel.run.surface for panel in result], result, _draw_climb)
+    return draw_materials(
+        [(panel.run.surface, partial(_draw_climb, panel=panel)) for panel in result]
+    )
 
 
 def _draw_climb(axes: Axes, panel: MaterialStaircase) -> None:
@@ -281,7 +291,7 @@ def staircase_caption(result: tuple[MaterialStaircase, ...]) -> str:
 
 def _climb_sentence(panel: MaterialStaircase) -> str:
     low, high = np.quantile(panel.turns, [0.025, 0.975])
-    words = f"On {panel.run.surface} the predicted run {_told(panel.climb)}; "
+    words = f"On {panel.run.surface} the predicted run {_course_words(panel.climb)}; "
     words += f"95 % of runs end {_signed(low)} to {_signed(high)} turns on"
     if panel.run.published.first_share is not None:
         first = float(np.degrees(panel.climb.path[0])) % 360.0
@@ -291,11 +301,11 @@ def _climb_sentence(panel: MaterialStaircase) -> str:
         )
         words += " (paper: about 150)"
     if panel.recorded is not None:
-        words += f". The recorded path of {panel.recorded.path.size} pushes {_told(panel.recorded)}"
+        words += f". The recorded path of {panel.recorded.path.size} pushes {_course_words(panel.recorded)}"
     return f"{words}."
 
 
-def _told(climb: Climb) -> str:
+def _course_words(climb: Climb) -> str:
     """The steps, the rests and the turns of one path."""
     steps, turns, pushes = (
         climb.steps,

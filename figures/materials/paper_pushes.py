@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -26,11 +26,10 @@ import numpy as np
 
 from cyclemap.errors import DataFileError, unknown_name
 from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
-from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS
+from cyclemap.evidence.identification.force_blocks import SCAN_FIELDS
 from cyclemap.evidence.laws.push_sets import FEWEST
-from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.recordings import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, push_facts, scan_facts
 from cyclemap.evidence.tables.data_kinds import SUFFIXES
 from cyclemap.views.sentences import listed
 
@@ -179,19 +178,25 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
     """
     if measured.path is None:
         return None
-    homes: Counter[str] = Counter()
-    for home, _, names in sorted(os.walk(measured.path)):
-        scans = [scan_facts(name) for name in names if name.endswith(SUFFIXES)]
-        homes[home] += sum(
-            scan is not None and (scan.surface, scan.object) == (surface, OBJECT) for scan in scans
-        )
-    for home, count in homes.most_common(1):
-        if count:
-            measured.find(Path(home).relative_to(measured.path).as_posix())
-            scans = load_pushes(home).scans
-            wanted = scans[(scans["surface"] == surface) & (scans["object"] == OBJECT)]
-            return wanted.dropna(subset=list(SCAN_FIELDS))
+
+    def is_wanted(name: str) -> bool:
+        scan = scan_facts(name)
+        return scan is not None and (scan.surface, scan.object) == (surface, OBJECT)
+
+    for home, _ in folders_by_count(measured.path, is_wanted)[:1]:
+        measured.find(home.relative_to(measured.path).as_posix())
+        scans = load_pushes(home).scans
+        wanted = scans[(scans["surface"] == surface) & (scans["object"] == OBJECT)]
+        return wanted.dropna(subset=list(SCAN_FIELDS))
     return None
+
+
+def folders_by_count(folder: Path, is_wanted: Callable[[str], bool]) -> list[tuple[Path, int]]:
+    """Return the folders below one that hold files of wanted names, and how many, most first."""
+    counts: Counter[Path] = Counter()
+    for home, _, names in sorted(os.walk(folder)):
+        counts[Path(home)] = sum(is_wanted(name) for name in names if name.endswith(SUFFIXES))
+    return [(home, count) for home, count in counts.most_common() if count]
 
 
 def not_found(what: str, surfaces: Iterable[str]) -> str:
@@ -206,17 +211,15 @@ def not_found(what: str, surfaces: Iterable[str]) -> str:
 
 @lru_cache(maxsize=32)
 def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
-    homes: Counter[str] = Counter()
-    for home, _, names in sorted(os.walk(folder)):
-        for facts in map(push_facts, (name for name in names if name.endswith(SUFFIXES))):
-            if (
-                facts is not None
-                and (facts.surface, facts.object) == (surface, OBJECT)
-                and facts.repetition >= 0
-            ):
-                given = [getattr(facts, name) for name in PROTOCOL]
-                homes[home] += np.allclose(given, list(PROTOCOL.values()), rtol=1e-6, atol=1e-9)
-    for home, count in homes.most_common():
+    def is_wanted(name: str) -> bool:
+        facts = push_facts(name)
+        if facts is None or facts.repetition < 0:
+            return False
+        given = [getattr(facts, key) for key in PROTOCOL]
+        is_own = np.allclose(given, list(PROTOCOL.values()), rtol=1e-6, atol=1e-9)
+        return is_own and (facts.surface, facts.object) == (surface, OBJECT)
+
+    for home, count in folders_by_count(folder, is_wanted):
         if count < FEWEST:
             return None
         table = load_pushes(home)

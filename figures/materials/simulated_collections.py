@@ -9,13 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, read_only, whole_number
@@ -30,9 +26,9 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.layout import Panel, grid_of, picture
 from cyclemap.views.panels.orientation import OUTCOMES
-from cyclemap.views.panels.style import QUIET, picture_style
+from cyclemap.views.panels.style import QUIET, Look
 
 from ..catalogue import MeasuredFolder
 from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics
@@ -221,16 +217,19 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
     theta, ahead, cycle = run.theta[:-1], run.theta[1:], np.arange(sampling.pushes + 1.0)
     # How much of each state the surface of each cycle has, linear between neighbours.
     share = np.array([np.interp(cycle[:-1], places, unit) for unit in np.eye(len(states))])
-    kick = ahead - np.einsum("kn,kn->n", share, np.array([state.map(theta) for state in states]))
-    motion = np.einsum("kn,knj->nj", share, np.array([state.motion(theta) for state in states]))
-    slopes = np.einsum("kn,knij->nij", share, np.array([state.slopes(theta) for state in states]))
+
+    def blended(values: Callable[[SurfaceState], Array]) -> Array:
+        of_states = np.array([values(state) for state in states])
+        return np.asarray(np.einsum("kn,kn...->n...", share, of_states))
+
+    kick = ahead - blended(lambda state: state.map(theta))
+    motion = blended(lambda state: state.motion(theta))
+    slopes = blended(lambda state: state.slopes(theta))
     # Along the slope of the next θ0 an offset is kick / |slope|; across it, where it turns nothing,
-    # as large.
-    size = np.hypot(*slopes[:, -1].T)
-    along = slopes[:, -1] / size[:, np.newaxis]
-    across = np.column_stack([-along[:, 1], along[:, 0]])
+    # as large: as complex numbers a quarter turn is the factor i.
     free = NOISE.sigma * np.random.default_rng((run.seed, 1)).standard_normal(kick.size)
-    offset = (kick / size)[:, np.newaxis] * along + (free / size)[:, np.newaxis] * across
+    turned = (kick + 1j * free) / (slopes[:, -1] @ [1.0, -1j])
+    offset = np.column_stack([turned.real, turned.imag])
     dtheta, dx, dy = (motion + np.einsum("nij,nj->ni", slopes[:, :-1], offset)).T
     pairs = Theta0Pairs(theta, ahead, run.theta, {}, cycle[:-1], cycle)
     facts, place = {"surface": material, "object": "rect1"}, Path(f"simulated {material}")
@@ -248,65 +247,34 @@ class MaterialPushes:
     runs : simulated, of each material that stands for it.
     sets : of these and, last, the recorded one where it was found, each with the words for where it
         comes from.
-    recorded : whether it was.
     """
 
     published: PublishedStatistics
     runs: list[SampledRun]
     sets: list[tuple[str, PushSet]]
-    recorded: bool
 
 
 def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> list[MaterialPushes]:
     """Simulate pushes on every material and look for recorded ones, in the paper's order."""
     result = []
     for surface, materials in SIMULATED.items():
-        runs, recorded = (
-            [sampled_run(material, sampling) for material in materials],
-            measured_run(measured, surface),
-        )
+        runs = [sampled_run(material, sampling) for material in materials]
         sets = [(f"simulated, {run.material}", run.pushes) for run in runs]
-        sets += [] if recorded is None else [("recorded", recorded.pushes)]
-        result.append(
-            MaterialPushes(published_statistics(surface), runs, sets, recorded is not None)
-        )
+        if (recorded := measured_run(measured, surface)) is not None:
+            sets.append(("recorded", recorded.pushes))
+        result.append(MaterialPushes(published_statistics(surface), runs, sets))
     return result
 
 
-One = TypeVar("One")
-
 PANEL_INCHES = (5.2, 3.7)
-SIMULATED_FILL = "#c4c4c4"
+# What simulated pushes look like where the same is drawn of measured ones: grey.
+SIMULATED_DOTS: Look = {"label": "simulated", "color": QUIET, "markeredgecolor": QUIET}
+SIMULATED_BARS: Look = {"label": "simulated", "facecolor": "#c4c4c4", "edgecolor": QUIET}
 
 
-@picture_style()
-def draw_materials(
-    names: Sequence[str], panels: Sequence[One], draw_panel: Callable[[Axes, One], None]
-) -> Figure:
-    """A figure with a panel for each of a few materials, titled with the names; room above each for
-    a legend.
-    """
-    columns = 2 if len(names) <= 4 else 3
-    rows = -(-len(names) // columns)
+def draw_materials(panels: Sequence[Panel]) -> Figure:
+    """A figure of a few panels, a material each, with room above each for a legend."""
+    layout = grid_of(len(panels), 2 if len(panels) <= 4 else 3)
     width, height = PANEL_INCHES
-    size, layout = (width * columns, height * rows), rows_of(*(columns,) * rows)
-    figure, places = page(layout, size=size, keys=2)
-    for axes, name, panel in zip(places, names, panels, strict=False):
-        draw_panel(axes, panel)
-        entitle(axes, name)
-    for axes in places[len(names) :]:
-        axes.remove()
-    return figure
-
-
-def as_simulated(axes: Axes) -> None:
-    """Show what a view drew as measured for what it is here: simulated, in grey,
-    in the legend too."""
-    for artist in axes.get_children():
-        if artist.get_label() != "measured":
-            continue
-        artist.set_label("simulated")
-        if isinstance(artist, Line2D):
-            artist.set(color=QUIET, markeredgecolor=QUIET)
-        elif isinstance(artist, Patch):
-            artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)
+    rows = layout.split(";")
+    return picture(layout, panels, size=(width * len(rows[0]), height * len(rows)), keys=2)

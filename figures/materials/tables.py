@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import PushSet, friction_ellipse_from_scans, push_statistics
 from cyclemap.evidence.laws.set_fit import MotionLaw
@@ -66,17 +67,12 @@ class FrictionRow:
     @property
     def axis_ratio(self) -> float:
         """The longer axis over the shorter."""
-        return max(self.law.mu_a, self.law.mu_b) / min(self.law.mu_a, self.law.mu_b)
+        return math.exp(2.0 * self.anisotropy.ellipticity)
 
     @property
-    def offset(self) -> float:
-        """Distance of the ellipse's centre from zero, over the mean."""
-        return math.hypot(self.law.m0, self.law.n0) / self.mean
-
-    @property
-    def offset_direction(self) -> float:
-        """Direction of the centre in the frame of the surface, rad in [0, 2π)."""
-        return (self.law.phi + math.atan2(self.law.n0, self.law.m0)) % (2 * math.pi)
+    def anisotropy(self) -> Anisotropy:
+        """How far its centre lies from zero, over the mean, and where; and its shape."""
+        return Anisotropy.of(self.law)
 
 
 @dataclass(frozen=True)
@@ -131,9 +127,14 @@ def friction_rows(result: FrictionEllipses) -> list[tuple[str, ...]]:
     """A row an ellipse."""
     cells = []
     for row in result.rows:
-        law, direction = row.law, f"{math.degrees(row.offset_direction):.1f}"
+        law, direction = row.law, f"{math.degrees(row.anisotropy.offset_direction % TWO_PI):.1f}"
         given = [f"{value:.4f}" for value in (law.mu_a, law.mu_b, law.m0, law.n0)]
-        derived = [f"{row.mean:.4f}", f"{row.axis_ratio:.3f}", f"{100 * row.offset:.1f}", direction]
+        derived = [
+            f"{row.mean:.4f}",
+            f"{row.axis_ratio:.3f}",
+            f"{100 * row.anisotropy.offset:.1f}",
+            direction,
+        ]
         cells.append((row.material, row.source, *given, f"{math.degrees(law.phi):.2f}", *derived))
     return cells
 
@@ -142,13 +143,16 @@ def friction_caption(result: FrictionEllipses) -> str:
     """Where the rows come from, and what the paper's ellipse is like beside the others."""
     paper = next(row for row in result.rows if row.source == "paper")
     others = [row for row in result.rows if row.source.startswith("inferred")]
-    ratios, offsets = [row.axis_ratio for row in others], [100 * row.offset for row in others]
+    ratios, offsets = (
+        [row.axis_ratio for row in others],
+        [100 * row.anisotropy.offset for row in others],
+    )
     scanned = [row.surface for row in result.rows if row.source.endswith("recorded scans")]
     sentences = [
         f"Limit ellipses of point friction. The paper gives that of {paper.material} alone, with φ "
         f"= {paper.law.phi:.4f} rad: its axes differ by {100 * (paper.axis_ratio - 1):.1f} %, and "
-        f"its centre lies {100 * paper.offset:.1f} % of the mean coefficient from zero, towards "
-        f"{angle(paper.offset_direction, 0)}. The others are inferred from how objects "
+        f"its centre lies {100 * paper.anisotropy.offset:.1f} % of the mean coefficient from zero, towards "
+        f"{angle(paper.anisotropy.offset_direction, 0)}. The others are inferred from how objects "
         "moved, which does not tell the size of friction: their mean is 0.25 by convention. Their "
         f"axis ratios are {min(ratios):.2f} to {max(ratios):.2f}, their offsets {min(offsets):.1f} "
         f"to {max(offsets):.1f} % of the mean.",
@@ -184,20 +188,18 @@ def deviation_rows(result: list[MaterialPushes]) -> list[tuple[str, ...]]:
     """The paper's row of each material, then those simulated, then the recorded one where it was
     found.
     """
-    lines = []
+    rows = []
     for each in result:
-        paper = ("paper", PUBLISHED_CYCLES, np.transpose([each.published.mean, each.published.std]))
-        sets = [(source, *_spread(pushes)) for source, pushes in each.sets]
-        for source, count, numbers in (paper, *sets):
+        published = np.transpose([each.published.mean, each.published.std])
+        spreads = {"paper": (PUBLISHED_CYCLES, published)}
+        spreads |= {source: _spread(pushes) for source, pushes in each.sets}
+        for source, (count, numbers) in spreads.items():
             cells = []
             for (mean, std), (_, _, factor) in zip(numbers, QUANTITIES, strict=True):
-                cells += [
-                    f"{factor * mean:.1f}",
-                    f"{abs(factor) * std:.2f}",
-                    f"{100.0 * std / abs(mean):.2f}",
-                ]
-            lines.append((each.published.material, source, str(count), *cells))
-    return lines
+                percent = 100.0 * std / abs(mean)
+                cells += [f"{factor * mean:.1f}", f"{abs(factor) * std:.2f}", f"{percent:.2f}"]
+            rows.append((each.published.material, source, str(count), *cells))
+    return rows
 
 
 def deviation_caption(result: list[MaterialPushes]) -> str:
@@ -226,7 +228,8 @@ def deviation_caption(result: list[MaterialPushes]) -> str:
 
 
 def _not_recorded(materials: list[MaterialPushes]) -> str:
-    return not_found("pushes", [each.published.material for each in materials if not each.recorded])
+    absent = [each.published.material for each in materials if len(each.sets) == len(each.runs)]
+    return not_found("pushes", absent)
 
 
 _ERRORS = [

@@ -6,27 +6,29 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_motion_law, draw_turn_histogram
-from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES, draw_curves
-from cyclemap.views.panels.style import DOTS, FOURTH, QUIET, SECOND, say
+from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES, draw_curves, draw_measured
+from cyclemap.views.panels.style import FOURTH, SECOND, say
 from cyclemap.views.sentences import angle, listed
 
 from ..catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import MeasuredRun, measured_run, measured_theta0, not_found
 from .simulated_collections import (
     PAPER,
+    SIMULATED_BARS,
+    SIMULATED_DOTS,
     STANDS_FOR,
     SampledRun,
     Sampling,
-    as_simulated,
     draw_materials,
     fitted_laws,
     sampled_run,
@@ -66,9 +68,9 @@ def shortest_arc(theta: Array, share: float) -> float:
     >>> round(shortest_arc(np.array([0.1, 6.2, 0.3, 3.0]), 0.75), 6)
     0.383185
     """
-    angles = np.sort(np.mod(theta, 2 * np.pi))
+    angles = np.sort(np.mod(theta, TWO_PI))
     held = max(int(np.ceil(share * angles.size)), 1)
-    ends = np.concatenate([angles, angles + 2 * np.pi])[held - 1 : held - 1 + angles.size]
+    ends = np.concatenate([angles, angles + TWO_PI])[held - 1 : held - 1 + angles.size]
     return float(np.min(ends - angles))
 
 
@@ -95,19 +97,18 @@ def turns_over_theta0(
 
 def draw_turns_over_theta0(result: tuple[MaterialTurns, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials([panel.run.surface for panel in result], result, _draw_turns)
+    return draw_materials(
+        [(panel.run.surface, partial(_draw_turns, panel=panel)) for panel in result]
+    )
 
 
 def _draw_turns(axes: Axes, panel: MaterialTurns) -> None:
-    draw_motion_law(axes, panel.law)
     if panel.measured is None:
-        as_simulated(axes)
+        draw_motion_law(axes, panel.law, **SIMULATED_DOTS)
     else:
-        theta, turn = (
-            np.degrees(panel.run.pushes.theta) % 360.0,
-            np.degrees(panel.run.pushes.dtheta),
-        )
-        axes.plot(theta, turn, label="simulated", **{**DOTS, "color": QUIET, "zorder": 1})
+        draw_motion_law(axes, panel.law)
+        pushes = panel.run.pushes
+        draw_measured(axes, pushes.theta, np.degrees(pushes.dtheta), **SIMULATED_DOTS, zorder=1)
     names = ("mechanics",) if len(panel.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
     curves = dict(zip(names, panel.curves, strict=True))
     draw_curves(axes, CIRCLE, curves, (SECOND, FOURTH))
@@ -226,10 +227,15 @@ def turn_histograms(
 
 def draw_turn_histograms(result: TurnHistograms) -> Figure:
     """Draw the panels."""
-    names = [
-        f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels
-    ]
-    return draw_materials(names, result.panels, _draw_histogram)
+    return draw_materials(
+        [
+            (
+                f"{panel.surface}{', cycle' * panel.whole_cycle}",
+                partial(_draw_histogram, panel=panel),
+            )
+            for panel in result.panels
+        ]
+    )
 
 
 def _draw_histogram(axes: Axes, panel: TurnPanel) -> None:
@@ -237,13 +243,11 @@ def _draw_histogram(axes: Axes, panel: TurnPanel) -> None:
         say(axes, "no law")
         axes.set_ylabel("pushes")
     else:
-        draw_turn_histogram(axes, panel.histogram)
+        draw_turn_histogram(axes, panel.histogram, **({} if panel.recorded else SIMULATED_BARS))
         low, high = np.degrees(np.quantile(panel.law.value, [0.002, 0.998]))
         axes.set_xlim(low - 0.1 * (high - low), high + 0.1 * (high - low))
     whole = "turn of the whole cycle, push and drag (°)"
     axes.set_xlabel(whole if panel.whole_cycle else OUTCOMES["dtheta"][1])
-    if not panel.recorded:
-        as_simulated(axes)
 
 
 def histogram_caption(result: TurnHistograms) -> str:

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.collection import CollectionLoop, fingerprint, run_cycles
-from cyclemap.evidence.data_blocks.stroke_block import push_end_block, surface_model
+from cyclemap.evidence.identification.stroke_block import push_end_block, surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import (

@@ -19,17 +19,16 @@ import numpy as np
 
 import cyclemap as cm
 from cyclemap.errors import CycleMapError
-from cyclemap.evidence.data_blocks.stroke_block import push_end_block
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.known_floor import known_beliefs
+from cyclemap.evidence.identification.stroke_block import push_end_block
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PLATE_NAMES,
     SURFACE,
     SurfaceParameters,
 )
-from cyclemap.evidence.push_plan.plan_pushes import Design
-from cyclemap.evidence.push_plan.sensitivity import Target, over_noise
+from cyclemap.evidence.push_design import Design, Target, over_noise
 from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, push_noise
 from cyclemap.mechanics import Slider, load_material
 from tests.inference.measured_floors import FLOORS, PLATES, measured as measured_pushes

@@ -20,9 +20,9 @@ import numpy as np
 import cyclemap as cm
 from cyclemap.errors import ConvergenceError, UnsupportedContact
 from cyclemap.evidence import MeasuredDrag, MeasuredPush, SurfaceParameters
-from cyclemap.evidence.data_blocks.session_blocks import SESSION_OWNED
-from cyclemap.evidence.data_blocks.stroke_block import surface_model
 from cyclemap.evidence.identification.data_block import session_block
+from cyclemap.evidence.identification.session_blocks import SESSION_OWNED
+from cyclemap.evidence.identification.stroke_block import surface_model
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES
 from cyclemap.mechanics import Pose, Slider, WorldPush
 

@@ -40,8 +40,8 @@ import cyclemap as cm
 from cyclemap.arrays import shorter_way
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import CycleMapError
-from cyclemap.evidence.data_blocks.stroke_block import loop_on
 from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identification.stroke_block import loop_on
 from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SurfaceParameters,
@@ -49,11 +49,11 @@ from cyclemap.evidence.identification.surface_parameters import (
 )
 from cyclemap.evidence.identified_material import identified_material, sampled_values
 from cyclemap.evidence.measured_plan import empty_table, identified_plan
-from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
-from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
-from cyclemap.evidence.push_plan.sensitivity import (
+from cyclemap.evidence.plan_pushes import APPROACH, SetPush, candidate_pushes, plan_pushes
+from cyclemap.evidence.push_design import (
     UNKNOWNS,
     Beliefs,
+    Design,
     cycle_map_by_unknowns,
     push_sensitivity,
     sampled_beliefs,
@@ -208,7 +208,8 @@ def knowing(loop: cm.CollectionLoop, surface: SurfaceParameters, count: int) -> 
     """The pushes that the plan's criterion chooses where the world is known."""
     believed = Beliefs(loop, (surface.values(),), sampled_beliefs(loop, 2).covariance)
     pushes = offered(loop)[:160]
-    _, by, derivatives = push_sensitivity(believed, pushes, READ)
+    made = [push.measured(loop.slider, loop.pusher.radius) for push in pushes]
+    _, by, derivatives = push_sensitivity(believed, made, READ)
     target = target_of(believed, "direction", by, push_noise(READ)[:3])
     design = Design(believed.covariance, derivatives, target)
     chosen = design.exchanged(design.greedy(count, range(len(pushes))))

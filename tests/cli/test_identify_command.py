@@ -10,7 +10,7 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.stroke_block import surface_model
+from cyclemap.evidence.identification.stroke_block import surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush

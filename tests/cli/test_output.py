@@ -14,9 +14,10 @@ import pytest
 from rich.table import Table
 
 from cyclemap.cli import output
+from cyclemap.cli.commands import ReportOptions
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.main import cli, run
-from cyclemap.cli.options import PATH, loop_options, said_command, table_options
+from cyclemap.cli.options import parameters, said_command
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar
 from cyclemap.text_files import write_whole
 
@@ -158,20 +159,15 @@ def test_a_shell_is_told_which_words_may_follow(monkeypatch, capsys) -> None:
 
 
 def test_a_command_is_told_as_it_was_said_with_all_that_was_said_of_its_data(capsys) -> None:
-    @click.command("report")
-    @loop_options
-    @table_options
-    @click.option("--data", type=PATH)
-    @click.option("--reset", is_flag=True)
-    @click.option("--out", type=PATH, default="out")
-    def report(**asked: object) -> None:
+    def say(**asked: object) -> None:
         click.echo(shlex.join(said_command("out", files_by_name=True)))
 
+    report = click.Command("report", params=[*parameters(ReportOptions)], callback=say)
     said = (
-        "plywood --protocol mine.toml --set push_mm=60 --set side=1 --columns theta0=yaw "
-        "--units deg,mm"
+        "plywood --protocol mine.toml --set push_mm=60 --set side=1 --data mine.csv --columns "
+        "theta0=yaw --units deg,mm"
     )
-    said += " --angles clockwise --frame mirrored --offset-deg -3.5 --data mine.csv --reset"
+    said += " --angles clockwise --frame mirrored --offset-deg -3.5 --reset"
     typed = said.replace("mine.", "some/folder/mine.").split()
     report.main([*typed, "--out", "elsewhere"], standalone_mode=False)
     assert capsys.readouterr().out == f"cyclemap report {said}\n"

@@ -18,7 +18,7 @@ from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol import read_protocol, read_schedule, write_protocol, write_schedule
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
+from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.resets import (
     CycleAction,
     ResetStrategy,
@@ -79,7 +79,7 @@ def test_bad_protocol_is_refused_by_file_and_line(protocol_file, text, said) -> 
 def test_set_wins_over_protocol_over_material_over_mit(protocol_file) -> None:
     """The tables of a protocol file are headings only; noise is read in degrees."""
     path = protocol_file("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")
-    chosen = chosen_loop(LoopOptions("plywood", path, ("mu_a=0.1", "mu_a = 0.31", "noise_deg=2.5")))
+    chosen = chosen_loop("plywood", path, ("mu_a=0.1", "mu_a = 0.31", "noise_deg=2.5"))
     loop, friction = chosen.loop, chosen.loop.material.friction
     assert (friction.mu_a, friction.mu_b, friction.m0) == (0.31, 0.28, 0.0325)
     assert (loop.pusher.friction, loop.pusher.radius) == (0.2, 0.00475)
@@ -198,7 +198,7 @@ def test_a_strategy_that_does_the_same_in_every_cycle_is_part_of_the_loop(
 def test_every_command_about_one_loop_gets_the_loop_with_the_strategy_in_it(
     protocol, strategy
 ) -> None:
-    chosen = chosen_loop(LoopOptions("plywood", Path(protocol(strategy)), ("noise_deg=3",)))
+    chosen = chosen_loop("plywood", Path(protocol(strategy)), ("noise_deg=3",))
     (action,) = strategy.actions
     assert chosen.loop == action.on(strategy.prepared(LOOP)) != LOOP
     assert chosen.sigma == pytest.approx(math.radians(3.0))

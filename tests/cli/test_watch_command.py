@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.collected import run_watch as module
+from cyclemap.cli.commands import WatchOptions
 from cyclemap.cli.main import run
 from cyclemap.cli.options import ResultOptions, TableOptions
-from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
-from cyclemap.collection.logged_turns import turns_after_log
+from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns, turns_after_log
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
@@ -186,9 +186,15 @@ def test_however_following_ends_picture_and_json_are_written(
         tables = dict.fromkeys(("object_pose", "tip_pose", "ft_wrench"), poses)
         (here / "fol" / f"push_{k}.json").write_text(json.dumps(tables))
     grown(monkeypatch, fail)
-    results = ResultOptions(here / "out", "png", "-")
+    asked = WatchOptions(
+        file=here / "fol",
+        follow=True,
+        every=0.5,
+        table=TableOptions(),
+        results=ResultOptions(out=here / "out", json="-"),
+    )
     with pytest.raises(type(failure)):
-        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, TableOptions(), results)
+        module.run_watch(asked)
     if code is not None:
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code

@@ -18,7 +18,6 @@ from cyclemap.collection import (
     fingerprint,
     predict,
 )
-from cyclemap.collection.fingerprint import MOST_ELLIPTICITY, with_anisotropy, with_bow
 from cyclemap.collection.fingerprint_prediction import (
     DRIFTS,
     LOCKS,
@@ -27,6 +26,7 @@ from cyclemap.collection.fingerprint_prediction import (
     full_lock_in,
     lock_in_boundary,
 )
+from cyclemap.collection.loop_surfaces import MOST_ELLIPTICITY, with_anisotropy, with_bow
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.mechanics import EllipseFriction

@@ -15,7 +15,7 @@ from cyclemap.collection.lock_forecast import (
     LockForecast,
     SeenOrientations,
     forecast_from_turns,
-    lock_forecast,
+    sampled_turns,
 )
 from cyclemap.collection.uncertain_directions import direction_uncertainty
 from cyclemap.mechanics import EllipseFriction, Material, MaterialPosterior
@@ -37,7 +37,7 @@ LOCKS, TURNS = (0.2545, 0.2346, 0.0325), (0.25, 0.25, 0.0)
 def test_isotropic_friction_turns_the_object_all_around_and_never_locks_in() -> None:
     """Every cycle turns by 8.0 degrees: no 50 pushes stay within 30,
     and 45 see the whole circle."""
-    found = lock_forecast(on_samples(TURNS, TURNS), 1e-6, 60)
+    found = forecast_from_turns(sampled_turns(on_samples(TURNS, TURNS)), 1e-6, 60)
     assert found.chance == 0.0 and found.directions == ()
     assert found.orientations == SeenOrientations(36.0, 36.0, 36.0)
 
@@ -54,7 +54,7 @@ def test_a_rest_is_told_where_it_is_though_the_path_comes_there_slowly() -> None
 
 def test_a_loop_that_locks_does_so_where_its_stable_direction_is() -> None:
     loop = on_samples(LOCKS, LOCKS)
-    found = lock_forecast(loop, SIGMA, 400, seed=3)
+    found = forecast_from_turns(sampled_turns(loop), SIGMA, 400, seed=3)
     likeliest, *rest = found.directions
     stable = direction_uncertainty(loop).directions[0].theta
     assert (
@@ -70,13 +70,17 @@ def test_a_loop_that_locks_does_so_where_its_stable_direction_is() -> None:
 
 
 def test_the_chance_is_the_share_of_samples_that_lock() -> None:
-    found = lock_forecast(on_samples(LOCKS, TURNS, LOCKS, TURNS, TURNS), SIGMA, 300)
+    found = forecast_from_turns(
+        sampled_turns(on_samples(LOCKS, TURNS, LOCKS, TURNS, TURNS)), SIGMA, 300
+    )
     assert found.samples == 5 and found.chance == pytest.approx(0.4)
 
 
 def test_more_pushes_lock_in_and_see_no_less() -> None:
     loop = on_samples(LOCKS, TURNS)
-    early, late = (lock_forecast(loop, SIGMA, cycles, start=4.0) for cycles in (50, 400))
+    early, late = (
+        forecast_from_turns(sampled_turns(loop), SIGMA, cycles, start=4.0) for cycles in (50, 400)
+    )
     assert early.chance <= late.chance and np.all(
         np.array(astuple(early.orientations)) <= astuple(late.orientations)
     )
@@ -85,32 +89,24 @@ def test_more_pushes_lock_in_and_see_no_less() -> None:
 def test_portraits_and_staircases_tell_it_where_there_are_samples() -> None:
     loop = on_samples(LOCKS, LOCKS, TURNS)
     staircase = cm.collection.staircase_forecast(loop, cycles=200, tolerance=1e-4)
-    assert staircase.forecast == lock_forecast(loop, staircase.noise.sigma, 200)
+    assert staircase.forecast == forecast_from_turns(
+        sampled_turns(loop), staircase.noise.sigma, 200
+    )
     bare = replace(loop, material=replace(loop.material, posterior=None))
     assert cm.collection.staircase_forecast(bare, cycles=200, tolerance=1e-4).forecast is None
 
 
 def test_what_cannot_be_foretold_is_refused() -> None:
-    refused(
-        lock_forecast, cm.CollectionLoop.mit("plywood"), SIGMA, 100, told="plywood has no samples"
-    )
-    refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 20, told="at least 50, not 20")
-    refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 10**6, told="forecast fewer pushes")
-    refused(
-        lock_forecast,
-        on_samples(TURNS, TURNS),
-        SIGMA,
-        100,
-        math.nan,
-        told="start must be a finite number",
-    )
-    refused(
-        lock_forecast, on_samples(TURNS, TURNS), SIGMA, 100, seed=-1, told="seed must be at least 0"
-    )
+    refused(sampled_turns, cm.CollectionLoop.mit("plywood"), told="plywood has no samples")
+    turns = sampled_turns(on_samples(TURNS, TURNS))
+    refused(forecast_from_turns, turns, SIGMA, 20, told="at least 50, not 20")
+    refused(forecast_from_turns, turns, SIGMA, 10**6, told="forecast fewer pushes")
+    refused(forecast_from_turns, turns, SIGMA, 100, math.nan, told="start must be a finite number")
+    refused(forecast_from_turns, turns, SIGMA, 100, seed=-1, told="seed must be at least 0")
 
 
 def test_the_sentence_tells_chance_directions_and_orientations() -> None:
-    told = ahead_sentence(lock_forecast(on_samples(TURNS, TURNS), 1e-6, 60))
+    told = ahead_sentence(forecast_from_turns(sampled_turns(on_samples(TURNS, TURNS)), 1e-6, 60))
     assert told == (
         "Of all that is believed, within 60 pushes the loop locks in with a chance of less than 1%; "
         "36 of 36 orientations will have been seen (36 to 36)."

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.collection.lock_forecast import sampled_paths
-from cyclemap.collection.logged_turns import DEVIATION, WIDTH, turns_after_log
+from cyclemap.collection.lock_forecast import DEVIATION, WIDTH, sampled_paths, turns_after_log
 
 NODES = 96
 THETA = 2.0 * np.pi * np.arange(NODES) / NODES

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
+from cyclemap.arrays import placed
 from cyclemap.collection import portrait, staircase_forecast
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
@@ -113,25 +114,18 @@ def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) ->
     assert all(len(path) < 100 for path in cobweb(portrait(loop_of(flip), cycles=10)).paths)
 
 
-def test_scene_moves_the_outline_rigidly_and_brings_the_ring_home(real_loop) -> None:
-    """Forces push the object along, and the reach holds everything drawn."""
-    scene = real_loop.cycle(0.7).scene()
-    for stroke in (scene.push, scene.drag):
-        lengths = [
-            np.hypot(*np.diff(outline, axis=0).T) for outline in (stroke.before, stroke.after)
-        ]
-        assert np.allclose(*lengths, atol=1e-12)
-        assert np.array_equal(stroke.before[0], stroke.before[-1])
-        assert len(stroke.force) >= 2
-        assert (stroke.force @ (stroke.rod[-1] - stroke.rod[0]) > 0).all()
-        low, high = stroke.reach
-        for points in (stroke.before, stroke.after, stroke.rod, stroke.centre):
-            assert (points >= low).all() and (points <= high).all()
-    assert scene.strongest_force >= np.hypot(*scene.push.force[0])
-    assert np.allclose(scene.push.after, scene.drag.before, atol=1e-9)
-    assert np.allclose(scene.push.ring_before, 0.0, atol=1e-12)
-    assert np.allclose(scene.drag.ring_after, 0.0, atol=1e-9)
-    assert np.allclose(scene.drag.rod[0], scene.push.ring_after, atol=1e-9)
+def test_a_cycle_moves_the_outline_rigidly_and_brings_the_ring_home(real_loop) -> None:
+    """Forces push the object along; the drag begins where the push ended."""
+    course, slider = real_loop.cycle(0.7).trajectory, real_loop.slider
+    outline, hitch = slider.outline_points(), np.array(slider.hitch)
+    for stroke in (course.push, course.drag):
+        sides = [np.hypot(*np.diff(placed(pose, outline), axis=0).T) for pose in stroke.pose]
+        assert np.allclose(sides, sides[0], atol=1e-12)
+        assert (stroke.contact_force @ (stroke.pusher[-1] - stroke.pusher[0]) > 0).all()
+    assert np.allclose(course.push.pose[-1], course.drag.pose[0], atol=1e-9)
+    assert np.allclose(placed(course.push.pose[0], hitch), 0.0, atol=1e-12)
+    assert np.allclose(placed(course.drag.pose[-1], hitch), 0.0, atol=1e-9)
+    assert np.allclose(course.drag.pusher[0], placed(course.push.pose[-1], hitch), atol=1e-9)
 
 
 def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop_of) -> None:

@@ -12,8 +12,7 @@ from scipy import stats
 from cyclemap.collection import Anisotropy, CollectionLoop
 from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
 from cyclemap.evidence.laws.linear_fit import fourier_columns
-from cyclemap.evidence.push_plan.plan_pushes import Design
-from cyclemap.evidence.push_plan.sensitivity import Target
+from cyclemap.evidence.push_design import Design, Target
 from cyclemap.mechanics import EllipseFriction, Material, Pose
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.views.panels.layout import render

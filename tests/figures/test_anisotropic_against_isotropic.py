@@ -5,7 +5,7 @@ are one.
 import numpy as np
 import pytest
 
-from cyclemap.figures.dynamic_cycles import experiment_caption
+from cyclemap.figures.cycles import experiment_caption
 
 NAME = "anisotropic-against-isotropic"
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.figures.dynamic_cycles import inertia_caption
+from cyclemap.figures.cycles import inertia_caption
 
 NAME = "dynamic-against-quasi-static"
 

@@ -10,13 +10,13 @@ from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, identify, read_push_file
-from cyclemap.evidence.data_blocks.force_blocks import force_ratio_block, sliding_forces
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_name
+from cyclemap.evidence.identification.force_blocks import force_ratio_block, sliding_forces
 from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.pushes.recordings import PushFacts, push_name
 from cyclemap.evidence.recorded_push import Recording, record_push
-from cyclemap.figures import force_ratio
+from cyclemap.figures import forces as figure
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.force_ratio import FOLDER, compute, draw, predicted_ratio, recorded_ratio
+from cyclemap.figures.forces import FOLDER, draw_ratio, force_ratio, predicted_ratio, recorded_ratio
 from cyclemap.mechanics import Slider
 from cyclemap.protocol import loop_from_settings
 
@@ -57,7 +57,7 @@ def test_the_push_slides_one_way_sticks_and_slides_the_other_way(result) -> None
     assert np.all(np.diff(found.ratio) <= 1e-7)
     assert np.count_nonzero(np.diff(found.sliding.astype(int))) == 2
     stuck = 1000.0 * found.travel[~found.sliding]
-    assert f"from {stuck[0]:.0f} to {stuck[-1]:.0f} mm" in force_ratio.caption(result)
+    assert f"from {stuck[0]:.0f} to {stuck[-1]:.0f} mm" in figure.ratio_caption(result)
 
 
 def test_the_ratio_does_not_depend_on_the_weight_or_the_level_of_friction() -> None:
@@ -92,12 +92,12 @@ def test_the_noisy_push_is_not_chosen_and_a_damaged_file_is_passed_over_and_told
     shutil.copytree(recorded.path / FOLDER, tmp_path / FOLDER)
     facts = PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, 0.9, 0.0)
     (tmp_path / FOLDER / f"{push_name(facts)}.h5").write_bytes(b"no push")
-    found = compute(MeasuredFolder(tmp_path))
-    told, figure = force_ratio.caption(found), draw(found)
+    found = force_ratio(MeasuredFolder(tmp_path))
+    told, drawn = figure.ratio_caption(found), draw_ratio(found)
     assert "of 2 recorded pushes (1 more could not be read)" in told
     assert f"ratio is {found.recorded.friction:.3f}" in told
     assert NO_DATA not in told
-    assert_drawn(figure, 2)
+    assert_drawn(drawn, 2)
 
 
 @pytest.mark.slow
@@ -105,7 +105,7 @@ def test_the_recorded_push_of_the_data_slides_near_a_fifth_and_sticks_below(meas
     """hex on abs at 50 mm/s, pushed at 20 degrees: the coefficient is that of the whole estimator
     on this file.
     """
-    found = compute(MeasuredFolder(measured_data))
+    found = force_ratio(MeasuredFolder(measured_data))
     assert found.recorded is not None and found.recorded.files == 51
     assert found.recorded.name == "hex on abs, 50 mm/s"
     name = "motion_surface=abs_shape=hex_a=0_v=50_i=4.000_s=0.700_t=0.349.h5"
@@ -119,4 +119,4 @@ def test_the_recorded_push_of_the_data_slides_near_a_fifth_and_sticks_below(meas
         np.mean(np.abs(found.recorded.ratio[found.recorded.sticking]) < found.recorded.friction)
         > 0.8
     )
-    assert_drawn(draw(found), 2)
+    assert_drawn(draw_ratio(found), 2)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from figure_cases import SCANS, assert_drawn, recorded_folder, small, words_of
 
-from cyclemap.figures import limit_ellipse_and_patch
+from cyclemap.figures import forces as figure
 from cyclemap.figures.catalogue import NO_DATA
-from cyclemap.figures.limit_ellipse_and_patch import GRID, SKETCHED, SLIDING, lean_of, limit_curve
+from cyclemap.figures.forces import DIRECTION, GRID, SKETCHED, lean_of, limit_curve
 from cyclemap.mechanics import EllipseFriction
 
 NAME = "limit-ellipse-and-patch"
@@ -28,9 +28,9 @@ def test_the_limit_curve_is_the_ellipse_of_equation_1(result) -> None:
 
 def test_the_lean_of_an_isotropic_law_is_zero_and_the_captions_is_the_sketchs(result) -> None:
     assert lean_of(EllipseFriction.isotropic(0.3), 1.0) == pytest.approx(0.0, abs=1e-12)
-    lean = math.degrees(lean_of(SKETCHED, SLIDING))
+    lean = math.degrees(lean_of(SKETCHED, DIRECTION))
     assert lean > 20.0
-    assert f"the two differ by {lean:.0f}°" in limit_ellipse_and_patch.caption(result)
+    assert f"the two differ by {lean:.0f}°" in figure.limit_caption(result)
 
 
 def test_the_patch_balances_the_rod_by_a_second_route(result) -> None:
@@ -47,11 +47,9 @@ def test_scans_give_back_the_ellipse_that_made_them(tmp_path_factory) -> None:
     assert found.scans.shape == (SCANS, 2)
     apart = np.hypot(*(limit_curve(found.fitted) - limit_curve(found.table)).T).max()
     assert apart < 1e-5
-    told, figure = limit_ellipse_and_patch.caption(found), limit_ellipse_and_patch.draw(found)
+    told, drawn = figure.limit_caption(found), figure.draw_limits(found)
     assert f"Dots: {SCANS} friction scans" in told and f"at most {apart:.4f} from Table I" in told
     assert (
-        NO_DATA not in told
-        and "friction scans" in words_of(figure)
-        and "fitted" in words_of(figure)
+        NO_DATA not in told and "friction scans" in words_of(drawn) and "fitted" in words_of(drawn)
     )
-    assert_drawn(figure, 3)
+    assert_drawn(drawn, 3)

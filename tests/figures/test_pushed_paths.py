@@ -11,7 +11,7 @@ from figure_cases import DRAWN, LONG, RECORDED, recorded_plywood, small
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.materials.pushed_paths import (
+from cyclemap.figures.materials.trajectories import (
     crossing_pairs,
     paths_from_measured_theta0,
     paths_on_four_surfaces,

@@ -10,9 +10,9 @@ from figure_cases import assert_drawn
 from refusals import refused
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures import staircase_bottleneck
+from cyclemap.figures import bottleneck as figure
+from cyclemap.figures.bottleneck import bottleneck, measured_bottleneck
 from cyclemap.figures.catalogue import THETA0_FILE
-from cyclemap.figures.staircase_bottleneck import bottleneck, measured_bottleneck
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 
 NAME = "staircase-bottleneck"
@@ -65,8 +65,8 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
     assert found.run.shape == found.path.shape
     assert found.run[0] == found.path[0]
     both = type(result)(result.computed, found)
-    assert_drawn(staircase_bottleneck.draw(both), 8)
-    assert "95°" in staircase_bottleneck.caption(both)
+    assert_drawn(figure.draw_bottleneck(both), 8)
+    assert "95°" in figure.bottleneck_caption(both)
 
 
 def test_measured_pairs_without_an_order_and_a_map_without_bottleneck_are_refused(tmp_path) -> None:

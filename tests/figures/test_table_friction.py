@@ -52,8 +52,8 @@ def test_derived_numbers_are_those_of_the_traction_in_all_directions(result) -> 
         centre = 0.5 * (traction + row.law.traction(-ways))
         assert np.ptp(centre, axis=0) == pytest.approx(0.0, abs=1e-12)
         x, y = centre[0]
-        assert row.offset * row.mean == pytest.approx(math.hypot(x, y))
-        assert math.cos(row.offset_direction - math.atan2(y, x)) == pytest.approx(1.0)
+        assert row.anisotropy.offset * row.mean == pytest.approx(math.hypot(x, y))
+        assert math.cos(row.anisotropy.offset_direction - math.atan2(y, x)) == pytest.approx(1.0)
         radius = np.hypot(*(traction - centre).T)
         assert row.axis_ratio == pytest.approx(radius.max() / radius.min(), rel=1e-5)
         assert row.mean == pytest.approx(math.sqrt(radius.max() * radius.min()), rel=1e-5)

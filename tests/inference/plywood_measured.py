@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from cyclemap.collection import Anisotropy, CollectionLoop
 from cyclemap.evidence import read_theta0_pairs
-from cyclemap.evidence.data_blocks.stroke_block import interpolation
+from cyclemap.evidence.identification.stroke_block import interpolation
 from cyclemap.mechanics import (
     CycleNoise,
     EllipseFriction,

@@ -18,12 +18,12 @@ import numpy as np
 from cyclemap.cli.output import progress_bar
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
-from cyclemap.evidence.data_blocks.stroke_block import (
+from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.stroke_block import (
     CYCLE_UNKNOWNS,
     cycles_by_unknowns,
     interpolation,
 )
-from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.figures.materials.paper_pushes import (
     PUBLISHED_CYCLES,

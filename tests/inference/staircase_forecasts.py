@@ -15,8 +15,7 @@ import numpy as np
 import pandas as pd
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.lock_forecast import sampled_paths, sampled_turns
-from cyclemap.collection.logged_turns import turns_after_log
+from cyclemap.collection.lock_forecast import sampled_paths, sampled_turns, turns_after_log
 from tests.inference.measured_floors import folder
 
 MATERIAL, SIGMA = "plywood-floor", math.radians(1.1)

@@ -8,7 +8,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import SurfaceParameters, identify
-from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, loop_on
+from cyclemap.evidence.identification.stroke_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.figures.materials.paper_pushes import published_statistics
 from tests.inference.published_materials import TOLERANCES, statistics_block

@@ -11,7 +11,7 @@ from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import SurfaceParameters
-from cyclemap.evidence.data_blocks.stroke_block import interpolation, loop_on
+from cyclemap.evidence.identification.stroke_block import interpolation, loop_on
 from cyclemap.figures.materials.paper_pushes import PUBLISHED, published_statistics
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
 from cyclemap.mechanics import Material, load_material

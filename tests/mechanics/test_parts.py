@@ -174,13 +174,17 @@ def read_back(material: Material, folder) -> Material:
 
 
 def assert_same(found: Material, given: Material) -> None:
-    changed_units = ("friction", "wear", "found_with", "frames", "plates")
+    changed_units = ("friction", "wear", "found_with", "frames", "plates", "sessions")
     alike = {name: getattr(given, name) for name in changed_units}
     assert replace(found, **alike) == given
     for plate, own in zip(found.plates, given.plates, strict=True):
         assert plate.shape.axis == pytest.approx(own.shape.axis, abs=1e-15)
         turned = replace(plate.shape, axis=own.shape.axis)
         assert replace(plate, shape=turned) == own
+    for session, own_session in zip(found.sessions, given.sessions, strict=True):
+        assert session.shape.axis == pytest.approx(own_session.shape.axis, abs=1e-15)
+        turned = replace(session.shape, axis=own_session.shape.axis)
+        assert replace(session, shape=turned) == own_session
     shifts = [(one.plate, one.x, one.y) for one in given.frames]
     assert [
         (one.plate, pytest.approx(one.x), pytest.approx(one.y)) for one in found.frames

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.resets.bias_evidence import DirectionTrack, RestEvidence, RestRule
+from cyclemap.resets.bias_evidence import RestEvidence, RestRule, settling
 
 SINGLE = RestRule(math.radians(12.0), window=6, longest_period=1)
 WIDE = RestRule(math.radians(12.0), window=6)
@@ -106,21 +106,19 @@ def test_steady_climbs_with_noise_leave_no_evidence(turn_deg) -> None:
 @pytest.mark.parametrize("pull", [0.15, 0.3, 0.6])
 def test_a_path_without_noise_tells_its_limit_whatever_its_pull(pull) -> None:
     """After eight pushes, in whichever turn they are counted."""
-    track = DirectionTrack(0.05)
-    for step in range(8):
-        track.add(4.0 * math.pi + 2.0 * (1.0 - pull) ** step)
-    assert track.limit == pytest.approx(4.0 * math.pi, abs=0.1)
+    path = [4.0 * math.pi + 2.0 * (1.0 - pull) ** step for step in range(8)]
+    assert settling(path, 0.05)[1] == pytest.approx(4.0 * math.pi, abs=0.1)
 
 
 def test_a_settling_path_tells_its_limit_before_it_is_there() -> None:
     random = np.random.default_rng(2)
     errors, lags = [], []
     for _ in range(200):
-        track, place = DirectionTrack(WIDTH / 2), -0.4
+        path = [-0.4]
         for _ in range(20):
-            place += 0.1 * (0.0 - place) + math.radians(1.1) * random.standard_normal()
-            track.add(place)
-        errors.append(track.limit)
-        lags.append(track.present)
+            path.append(0.9 * path[-1] + math.radians(1.1) * random.standard_normal())
+        present, limit = settling(path[1:], WIDTH / 2)
+        errors.append(limit)
+        lags.append(present)
     assert np.median(np.abs(errors)) < math.radians(4.0)
     assert abs(np.mean(errors)) < 0.5 * abs(np.mean(lags))

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import WrappedNormal
-from cyclemap.resets.bias_evidence import VisitEvidence, VisitLaw
-
-KERNEL = math.radians(12.0)
+from cyclemap.resets.bias_evidence import KERNEL, VisitEvidence, VisitLaw
 
 
 def evidence_of(path, **how) -> VisitEvidence:
-    evidence = VisitEvidence(KERNEL, **how)
+    evidence = VisitEvidence(**how)
     for theta in np.asarray(path).tolist():
         evidence.add(theta)
     return evidence
@@ -80,7 +78,7 @@ def test_evidence_knows_neither_the_origin_nor_whole_turns_and_repeats_with_its_
 
 def test_evidence_changes_where_a_block_is_full_and_not_before() -> None:
     random = np.random.default_rng(6)
-    evidence, course = VisitEvidence(KERNEL, block=20), []
+    evidence, course = VisitEvidence(block=20), []
     for theta in random.vonmises(1.0, 2.0, 101).tolist():
         evidence.add(theta)
         course.append(evidence.log_evidence)
@@ -92,7 +90,7 @@ def test_evidence_changes_where_a_block_is_full_and_not_before() -> None:
 
 def test_the_law_is_the_kernel_estimate_mixed_with_the_uniform_law() -> None:
     visits = np.array([0.3, 0.4, 2.0, 6.2])
-    law = VisitLaw(KERNEL)
+    law = VisitLaw()
     law.add(visits)
     theta = np.linspace(0.0, 2 * np.pi, 7)
     kernel = WrappedNormal(KERNEL)

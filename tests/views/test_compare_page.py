@@ -10,11 +10,10 @@ from drawn_words import assert_words_apart
 
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence import Comparison, Theta0Pairs, compare
-from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_agreement
+from cyclemap.evidence.comparison.push_agreement import PushAgreement
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import compare_page as sentences
-from cyclemap.views.compare_page import compare_page, residual_page
-from cyclemap.views.verdicts import verdicts
+from cyclemap.views.compare_page import compare_page, residual_page, verdicts
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
 FACTS = {
@@ -37,9 +36,7 @@ def made_pushes() -> PushAgreement:
         [1.2 + 0.1 * np.sin(theta), 0.04 + 0 * theta, -0.08 + 0.01 * np.cos(theta)]
     )
     measured = predicted + 0.001 * rng.standard_normal((50, 3))
-    columns = zip(("dtheta", "dx", "dy"), measured.T, predicted.T, strict=True)
-    quantities = tuple(quantity_agreement(*column) for column in columns)
-    return PushAgreement(FACTS, 0.15, theta, measured, predicted, measured, quantities)
+    return PushAgreement(FACTS, 0.15, theta, measured, predicted, measured)
 
 
 @pytest.fixture(scope="module")

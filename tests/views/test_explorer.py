@@ -21,7 +21,7 @@ from cyclemap.cli.main import cli
 from cyclemap.mechanics.browser_tables import browser_tables
 from cyclemap.protocol import loop_from_settings, read_protocol
 from cyclemap.protocol.chosen_loop import set_settings
-from cyclemap.views.explorer.page import explorer_frame, slider_controls, slider_values
+from cyclemap.views.explorer_page import explorer_frame, slider_controls, slider_values
 
 SIGMA = math.radians(1.1)
 L_SHAPE = {"vertices_mm": [[-45, 45], [-45, -45], [45, -45], [45, 0], [0, 0], [0, 45]], "side": 1}

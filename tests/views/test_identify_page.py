@@ -20,9 +20,9 @@ from cyclemap.evidence import (
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.force_blocks import scan_traction
-from cyclemap.evidence.identification.data_block import DataBlock, Values
-from cyclemap.evidence.identification.surface_parameters import Parameter
+from cyclemap.evidence.identification.data_block import DataBlock
+from cyclemap.evidence.identification.force_blocks import scan_traction
+from cyclemap.evidence.identification.surface_parameters import Parameter, Values
 from cyclemap.evidence.identified_material import (
     Derived,
     IdentifiedCurves,

@@ -8,7 +8,7 @@ import pytest
 from drawn_words import assert_words_apart
 from matplotlib.colors import to_rgb
 
-from cyclemap.cli.json_report import portrait_report
+from cyclemap.cli.run_portrait import portrait_report
 from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import cyclemap as cm
-from cyclemap.views.explorer.page import SCRIPTS, WORKER
+from cyclemap.views.explorer_page import SCRIPTS, WORKER
 
 CHECKER = Path(__file__).parent / "house_rules.js"
 EXPLORER = Path(cm.__file__).parent / "views" / "explorer"

@@ -1,13 +1,13 @@
 """`cyclemap compare`: a prediction beside data, in sentences, tables, JSON and a picture."""
 
 import math
-from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.collected.run_fit import QUANTITIES, selected_values
+from cyclemap.cli.collected.readable_data import readable_data, selected_values
+from cyclemap.cli.collected.run_fit import QUANTITIES
+from cyclemap.cli.commands import CompareOptions
 from cyclemap.cli.json_report import PLAIN_UNITS, UNITS, comparison_report, facts_report
-from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
@@ -20,50 +20,46 @@ from cyclemap.evidence.comparison.push_agreement import (
 from cyclemap.evidence.laws.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
-from cyclemap.views.verdicts import told_sets, verdicts
+from cyclemap.views.compare_page import (
+    answered_sets,
+    compare_page,
+    data_sentence,
+    headline,
+    trust_sentences,
+    verdicts,
+)
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, degrees, json_of, written
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
 
 
-def run_compare(
-    options: LoopOptions,
-    data: Path,
-    table: TableOptions,
-    first: int,
-    select: tuple[str, ...],
-    runs: int,
-    seed: int,
-    results: ResultOptions,
-) -> None:
+def run_compare(asked: CompareOptions) -> None:
     """Compare the loop's prediction with the data, draw both, and print the answers for people or
     as JSON.
     """
-    read = readable_data(data, table, results.out)
-    chosen = chosen_loop(options, data)
+    read = readable_data(asked.data, asked.table, asked.results.out)
+    chosen = asked.loop.chosen_loop(asked.data)
     loop = chosen.loop
     name = chosen.loop.material.name
-    with progress_bar(f"{name} beside {data.name}") as report:
+    with progress_bar(f"{name} beside {asked.data.name}") as report:
         compared = compare(
             loop,
             read,
             noise=None if chosen.sigma is None else WrappedNormal(chosen.sigma),
-            first=first,
-            select=selected_values(select),
+            first=asked.first,
+            select=selected_values(asked.select),
             # MIT's own 150 mm are no answer for data that do not tell.
             push_length=loop.push.distance if "push_mm" in chosen.settings else None,
-            runs=runs,
-            seed=seed,
+            runs=asked.runs,
+            seed=asked.seed,
             progress=report,
         )
     note = plate_note(loop.material, loop.slider)
     publish(
         compare_report(name, compared),
         compare_page(name, compared, turn_curve(compared.prediction.map_at(compared.middle))),
-        result_stem(results.out, "compare", loop),
-        results,
+        result_stem(asked.results.out, "compare", loop),
+        asked.results,
         headline(name, compared),
         data_sentence(compared),
         *compared.data.reading,
@@ -74,7 +70,7 @@ def run_compare(
             people_table(
                 f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS, map(_push_cells, quantities)
             )
-            for whose, quantities in told_sets(compared)
+            for whose, quantities in answered_sets(compared)
         ),
         "" if compared.orientations is None else _tests_table(compared.orientations),
     )

@@ -5,25 +5,23 @@ picture.
 import math
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
 import click
 from rich.table import Table
 
-from cyclemap.cli.collected.run_fit import selected_values
+from cyclemap.cli.collected.readable_data import readable_tables, selected_values
+from cyclemap.cli.commands import IdentifyOptions
 from cyclemap.cli.json_report import json_text
-from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, readable_tables
+from cyclemap.cli.options import pair_in_metres, words_of
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import (
+from cyclemap.evidence.identification.collected_blocks import (
     CollectedBlocks,
     collected_blocks,
-    identify_collected,
 )
-from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors
-from cyclemap.evidence.identification.known_floor import known_shapes
+from cyclemap.evidence.identification.identify import Identification, KindErrors, NamedInterval
+from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
@@ -31,12 +29,12 @@ from cyclemap.evidence.identified_material import (
     identified_curves,
     identified_material,
 )
-from cyclemap.evidence.identified_words import implausible, readable_kind, readable_unit
+from cyclemap.evidence.identified_words import implausible, readable_kind
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
-from cyclemap.plain_text import plain_number
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
+from cyclemap.plain_text import key_and_value, plain_number
+from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
@@ -51,57 +49,24 @@ _SIZES = (
 NOTHING = "–"
 
 
-@dataclass(frozen=True)
-class IdentifyOptions:
-    """What `cyclemap identify` was asked, as it was typed."""
-
-    data: tuple[Path, ...]
-    table: TableOptions
-    select: tuple[str, ...]
-    protocol: Path | None
-    settings: tuple[str, ...]
-    first: int
-    most: int
-    start: str | None
-    floor: str | None
-    plate: tuple[str, ...]
-    target_mm: str | None
-    free: str | None
-    fix: tuple[str, ...]
-    wear: bool
-    no_priors: bool
-    folds: int | None
-    student: float
-    starts: int
-    seed: int
-    name: str | None
-    force: bool
-    results: ResultOptions
-
-    def __post_init__(self) -> None:
-        if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in self.settings):
-            raise InvalidInput(
-                "noise_deg: the noise is estimated from the data; leave the setting out"
-            )
-        if self.floor is not None and self.start is not None:
-            raise InvalidInput(
-                "--floor tells what is known, and where the search begins: leave --start out"
-            )
-
-
 def run_identify(asked: IdentifyOptions) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people
     or as JSON.
     """
+    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in asked.settings):
+        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
+    if asked.floor is not None and asked.start is not None:
+        raise InvalidInput(
+            "--floor tells what is known, and where the search begins: leave --start out"
+        )
     begin = asked.start if asked.floor is None else asked.floor
     surface = None if begin is None else load_material(begin)
     fixed = fixed_values(asked.fix)
     known = None if asked.floor is None else surface
     target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
     shapes = tuple(shape for plate in asked.plate for shape in load_plates(plate))
-    options = LoopOptions("isotropic", asked.protocol, asked.settings)
     selected = selected_values(asked.select)
-    chosen = chosen_loop(options, asked.data[0])
+    chosen = chosen_loop("isotropic", asked.protocol, asked.settings, asked.data[0])
     loop = chosen.loop
     read = readable_tables(asked.data, asked.table, asked.results.out)
     space = starting_space(loop, surface)
@@ -127,7 +92,7 @@ def run_identify(asked: IdentifyOptions) -> None:
             known,
             fixed,
             space,
-            free=[name.strip() for name in (asked.free or "").split(",") if name.strip()],
+            free=words_of(asked.free or ""),
             believes=not asked.no_priors,
             folds=usual_folds if asked.folds is None else asked.folds,
             starts=asked.starts,
@@ -184,16 +149,16 @@ def _conclude(
         page_sentences(identified),
     )
     toml = results.out / f"{stem}.toml"
-    picture = results.out / f"identify_{stem}.{results.picture_format}"
+    picture = results.out / f"identify_{stem}.{results.format}"
     # All of the content is made before the first file is written.
     files = {
         toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
         results.out / f"identify_{stem}.json": json_text(as_json).encode(),
-        picture: render(page, results.picture_format),
+        picture: render(page, results.format),
     }
     for path, content in files.items():
         write_whole(path, content)
-    if publish_json(as_json, results.json_target):
+    if publish_json(as_json, results.json):
         return
     PeopleConsole().tell(
         answer,
@@ -216,7 +181,7 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     """
     values = {}
     for pair in pairs:
-        name, _, text = (word.strip() for word in pair.partition("="))
+        name, text = key_and_value("--fix", pair, "name=number")
         try:
             values[name] = plain_number(text)
         except ValueError as cause:
@@ -256,8 +221,8 @@ def identify_report(
     }
 
 
-def _in_its_unit(result: Estimate | Derived) -> Json:
-    unit = readable_unit(result.unit)
+def _in_its_unit(result: NamedInterval) -> Json:
+    unit = result.readable[0]
     return {**json_of(result, unit=Unit("", unit.of_si)), "unit": unit.ending or "1"}
 
 
@@ -301,11 +266,10 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     )
 
 
-def _readable(result: Estimate | Derived) -> tuple[str, str, str]:
+def _readable(result: NamedInterval) -> tuple[str, str, str]:
     """A value with its unit, and the ends of its interval."""
-    unit = readable_unit(result.unit)
-    numbers = (result.value, result.lower, result.upper)
-    value, lower, upper = (_digits(unit.of_si(number)) for number in numbers)
+    unit, *numbers = result.readable
+    value, lower, upper = map(_digits, numbers)
     return f"{value}{unit.sign}", lower, upper
 
 

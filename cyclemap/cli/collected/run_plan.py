@@ -7,21 +7,16 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 from rich.table import Table
 
 from cyclemap.arrays import Array
+from cyclemap.cli.collected.readable_data import readable_tables
+from cyclemap.cli.commands import PlanOptions
 from cyclemap.cli.json_report import millimetres, push_report, uncertainty_report
-from cyclemap.cli.options import (
-    ResultOptions,
-    TableOptions,
-    pair_in_metres,
-    readable_tables,
-    said_command,
-)
+from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, said_command
 from cyclemap.cli.output import (
     PeopleConsole,
     Told,
@@ -41,11 +36,10 @@ from cyclemap.evidence.measured_plan import (
     robot_schedule,
     table_to_fill,
 )
-from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
+from cyclemap.evidence.plan_pushes import PushPlan, SetPush, plan_pushes
 from cyclemap.evidence.tables.data_kinds import files_of_data, recognise
 from cyclemap.plain_text import plain_number
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
+from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
 from cyclemap.views.object_page import known_parts, measured_sentences, plan_page, plan_sentences
@@ -54,41 +48,18 @@ from cyclemap.written import Json, degrees, json_of
 FREE = "free"
 
 
-@dataclass(frozen=True)
-class PlanOptions:
-    """What `cyclemap plan` was asked, as it was typed."""
-
-    object_file: Path
-    settings: tuple[str, ...]
-    floor: str
-    pushes: int
-    target: str
-    grid: str
-    room_mm: str
-    by: str | None
-    excel: bool
-    error_mm: float
-    error_deg: float
-    after: tuple[Path, ...]
-    until_deg: float
-    seed: int
-    results: ResultOptions
-
-    def __post_init__(self) -> None:
-        if self.object_file.suffix != ".toml":
-            raise InvalidInput(
-                f"{self.object_file}: give the file of your object; cyclemap init makes one, MIT's "
-                "with --shape"
-            )
-
-
 def run_plan(asked: PlanOptions) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what
     will be known.
     """
+    if asked.object_file.suffix != ".toml":
+        raise InvalidInput(
+            f"{asked.object_file}: give the file of your object; cyclemap init makes one, MIT's "
+            "with --shape"
+        )
     step = _orientation_step(asked.grid)
     room = _room(asked.room_mm)
-    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings)).loop
+    loop = chosen_loop(asked.floor, asked.object_file, asked.settings).loop
     stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
     within = math.radians(asked.until_deg)
     measured = None
@@ -117,7 +88,7 @@ def run_plan(asked: PlanOptions) -> None:
     headline, *others = plan_sentences(plan)
     sentences += [styled(headline, "bold"), *others, push_table(plan), knowledge_table(plan)]
     table, robot = _write_tables(plan, stem, asked)
-    following = shlex.join([*said_command("json_target"), "--after", str(table)])
+    following = shlex.join([*said_command("json"), "--after", str(table)])
     publish(
         as_json,
         plan_page(plan),
@@ -187,7 +158,7 @@ def _orientation_step(grid: str) -> float | None:
 
 
 def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, results: ResultOptions) -> None:
-    if publish_json(measured_report(measured, within), results.json_target):
+    if publish_json(measured_report(measured, within), results.json):
         return
     floor = stem.with_name(f"{stem.name}_measured.toml")
     PeopleConsole().tell(*measured_sentences(measured, within), f"floor and plate: {floor}")

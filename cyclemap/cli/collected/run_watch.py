@@ -10,13 +10,9 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import (
-    ResultOptions,
-    TableOptions,
-    readable_data,
-    tell_what_was_read,
-    told_columns,
-)
+from cyclemap.cli.collected.readable_data import readable_data, tell_what_was_read
+from cyclemap.cli.commands import AuditOptions, WatchOptions
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
@@ -25,14 +21,13 @@ from cyclemap.cli.output import (
     publish_json,
     write_result,
 )
-from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
-from cyclemap.collection.logged_turns import turns_after_log
+from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns, turns_after_log
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.maps import rest_multiplier
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, loop_beside
+from cyclemap.protocol.chosen_loop import chosen_collection, loop_beside
 from cyclemap.resets import (
     BiasMonitor,
     BiasReport,
@@ -70,29 +65,23 @@ NOTHING_AHEAD = Ahead({}, "")
 LookAhead = Callable[[BiasMonitor], Ahead]
 
 
-def run_watch(
-    file: Path,
-    alarm_rate: float,
-    follow: bool,
-    every: float,
-    protocol: Path | None,
-    material: str | None,
-    table: TableOptions,
-    results: ResultOptions,
-) -> None:
+def run_watch(asked: WatchOptions) -> None:
     """Watch the file to its end, or as it grows, and tell what is seen."""
-    columns, units = told_columns(table.columns, table.units)
-    feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
-    monitor = BiasMonitor(alarm_rate)
+    file = asked.file
+    table = asked.table
+    results = asked.results
+    convention = convention_of(file, **table.convention)
+    feed = theta0_feed(file, table.named_columns, table.named_units, convention)
+    monitor = BiasMonitor(asked.alarm_rate)
     reports = list[BiasReport]()
-    if not follow:
+    if not asked.follow:
         news = feed.look(finished=True)
-        look_ahead = _ahead_of(file, protocol, material)
+        look_ahead = _ahead_of(asked)
         tell_what_was_read(news.words, news.guessed)
         _conclude(file, monitor, watch(news.theta, monitor), look_ahead, results)
         return
-    look_ahead = _ahead_of(file, protocol, material)
-    as_json = results.json_target == "-"
+    look_ahead = _ahead_of(asked)
+    as_json = results.json == "-"
     if not as_json:
         click.echo(f"watching {file} until interrupted (Ctrl-C)", err=True)
     try:
@@ -102,7 +91,7 @@ def run_watch(
                 tell_what_was_read(news.words, news.guessed)
             if news.began_anew:
                 click.echo(f"{file} began anew, and so does the watch", err=True)
-                monitor = BiasMonitor(alarm_rate)
+                monitor = BiasMonitor(asked.alarm_rate)
                 reports = []
             for left, theta in zip(reversed(range(len(news.theta))), news.theta, strict=True):
                 before = monitor.report
@@ -110,25 +99,25 @@ def run_watch(
                 # From orientations that were left long ago nothing is ahead.
                 ahead = NOTHING_AHEAD if left else look_ahead(monitor)
                 _tell(before, reports[-1], theta, ahead, as_json)
-            time.sleep(every)
+            time.sleep(asked.every)
     finally:
         # However following ends the last report is kept, and what ended it goes on.
         if reports:
             _conclude(file, monitor, reports, look_ahead, results, quiet=as_json)
 
 
-def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAhead:
+def _ahead_of(asked: WatchOptions) -> LookAhead:
     """What tells what is ahead; InvalidInput where surface and protocol leave nothing to tell."""
-    if protocol is None and material is None:
+    if asked.protocol is None and asked.material is None:
         return lambda monitor: NOTHING_AHEAD
-    chosen = chosen_collection(LoopOptions(material, protocol, ()), file).simplified()
+    chosen = chosen_collection(asked.material, asked.protocol, data=asked.file).simplified()
     loop = chosen.loop
     strategy = chosen.strategy
     if strategy is None:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
         raise InvalidInput(
-            f"{protocol}: there is no action to choose: it needs a [strategy] of two actions or "
+            f"{asked.protocol}: there is no action to choose: it needs a [strategy] of two actions or "
             "more"
         )
     with progress_bar(f"cycle maps on {loop.material.name}") as report:
@@ -225,8 +214,8 @@ def _conclude(
     }
     figure = page.watch_page(monitor, reports, file.name)
     stem = results.out / f"watch_{file_stem(file.stem)}"
-    picture = write_result(as_json, figure, stem, results.picture_format)
-    if quiet or publish_json(as_json, results.json_target):
+    picture = write_result(as_json, figure, stem, results.format)
+    if quiet or publish_json(as_json, results.json):
         return
     PeopleConsole().tell(
         *page.watch_sentences(last),
@@ -245,9 +234,10 @@ def _report(state: BiasReport) -> Json:
     }
 
 
-def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
+def run_audit(asked: AuditOptions) -> None:
     """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
-    read = readable_data(data, table, results.out)
+    data = asked.data
+    read = readable_data(data, asked.table, asked.results.out)
     with progress_bar(f"auditing {data.name}") as progress:
         audited = audit(read, loop=loop_beside(data), progress=progress)
     alarm = audited.report.alarm
@@ -274,8 +264,8 @@ def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
     publish(
         as_json,
         audit_page(audited),
-        results.out / f"audit_{file_stem(data.stem)}",
-        results,
+        asked.results.out / f"audit_{file_stem(data.stem)}",
+        asked.results,
         audit_headline(audited),
         audit_paragraph(audited),
     )

@@ -18,7 +18,7 @@ from cyclemap.arrays import Array, stretches
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.push_sets import selected_pushes
+from cyclemap.evidence.laws.push_sets import ordered_pairs, selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
@@ -181,17 +181,29 @@ def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> Co
         raise InvalidInput(
             f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes"
         )
-    path = pairs.unbroken.path
-    path_cycle = pairs.unbroken.path_cycle
-    if path is not None:
-        path_cycle = np.arange(float(path.size)) if path_cycle is None else path_cycle
-        late = path_cycle >= first
-        path, path_cycle = (path[late], path_cycle[late]) if np.sum(late) > 1 else (None, None)
     left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
-    chosen = Theta0Pairs(
-        pairs.theta[kept], pairs.theta_next[kept], path, cycle=cycle[kept], path_cycle=path_cycle
+    return CollectionData((), _in_a_row(pairs, first), dict(left_out), loop)
+
+
+def _in_a_row(pairs: Theta0Pairs, first: int) -> Theta0Pairs:
+    """The pairs of pushes numbered from `first` on, with the longest stretch of their path that
+    lacks no push: a simulated collection lacks none.
+    """
+    kept = pairs.numbers >= first
+    whole = pairs.unbroken
+    path = numbers = None
+    if whole.path is not None:
+        along = whole.path_cycle
+        along = np.arange(float(whole.path.size)) if along is None else along
+        runs = stretches((np.diff(along) == 1.0) & (along[:-1] >= first))
+        if runs:
+            low, high = max(runs, key=lambda run: run[1] - run[0])
+            path = whole.path[low : high + 1]
+            numbers = along[low : high + 1]
+    theta, theta_next, cycle = (
+        column[kept] for column in (pairs.theta, pairs.theta_next, pairs.numbers)
     )
-    return CollectionData((), chosen, dict(left_out), loop)
+    return Theta0Pairs(theta, theta_next, path, cycle=cycle, path_cycle=numbers)
 
 
 def _of_table(
@@ -316,10 +328,8 @@ def _cycles(
             return None, loop
         loop = _pushing(loop, told_push(loop.push, _facts(rows), far))
     rows = rows.sort_values("number", kind="stable")
-    theta, ahead, numbers = rows[["theta0", "theta_next", "number"]].to_numpy().T
-    known = np.isfinite(ahead)
-    path, run = _longest_run(theta, ahead, numbers)
-    return Theta0Pairs(theta[known], ahead[known], path, cycle=numbers[known], path_cycle=run), loop
+    columns = rows[["theta0", "theta_next", "number"]].to_numpy().T
+    return _in_a_row(ordered_pairs(*columns), 0), loop
 
 
 def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
@@ -331,19 +341,3 @@ def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
     if push.side == own.side and near and abs(push.distance - own.distance) <= _SAME_LENGTH:
         return loop
     return replace(loop, push=push)
-
-
-def _longest_run(
-    theta: Array, theta_next: Array, numbers: Array
-) -> tuple[Array | None, Array | None]:
-    """The path of the longest run of pushes numbered without a gap, and its numbers; None without
-    any.
-    """
-    linked = np.isfinite(theta_next[:-1]) & (np.diff(numbers) == 1.0)
-    runs = stretches(linked)
-    if not runs:
-        return None, None
-    low, high = max(runs, key=lambda run: run[1] - run[0])
-    steps = np.cumsum(theta_next[low:high] - theta[low:high])
-    path = theta[low] + np.concatenate([[0.0], steps])
-    return path, numbers[low : high + 1]

@@ -75,11 +75,10 @@ class CollectionModel:
     samples: tuple[CircleMap | DriftingMap, ...] = ()
 
     @cached_property
-    def begun(self) -> CircleMap | DriftingMap:
+    def begun(self) -> DriftingMap:
         """The map whose cycle 0 is the collection's first."""
-        if isinstance(self.map, CircleMap) or self.first == 0:
-            return self.map
-        return DriftingMap(self.map.cycles - self.first, self.map.maps, self.map.max_error)
+        worn = _drifting(self.map)
+        return replace(worn, cycles=worn.cycles - self.first)
 
     def paths(self, start: float, length: int, count: int, seed: int) -> Array:
         """Simulate collections from one start.
@@ -114,27 +113,25 @@ class CollectionModel:
 
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one cycle."""
-        return self.map if isinstance(self.map, CircleMap) else self.map.at(cycle)
+        return _drifting(self.map).at(cycle)
 
     def turns(self, theta: Array, cycle: Array) -> Array:
         """Turns (1 + k, n), rad, from ``theta`` (n,) in the cycles ``cycle`` (n,): of the map, then
         of each sample.
         """
-        turns = []
-        for known in (self.map, *self.samples):
-            if isinstance(known, CircleMap):
-                turns.append(known.turn(theta))
-            else:
-                turns.append(known.images(theta, cycle) - theta)
-        return np.array(turns)
+        known = (self.map, *self.samples)
+        return np.array([_drifting(each).images(theta, cycle) - theta for each in known])
 
     def images(self, paths: Array) -> Array:
         """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on
         the same lift.
         """
-        if isinstance(self.begun, CircleMap):
-            return self.begun(paths[..., :-1])
         return self.begun.images(paths[..., :-1], np.arange(paths.shape[-1] - 1))
+
+
+def _drifting(known: CircleMap | DriftingMap) -> DriftingMap:
+    """The map of each cycle, of a fixed one always the same."""
+    return known if isinstance(known, DriftingMap) else DriftingMap.between([(0.0, known)])
 
 
 def as_prediction(

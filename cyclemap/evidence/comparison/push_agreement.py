@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -107,8 +108,6 @@ class PushAgreement:
     measured, predicted, isotropic : ndarray, shape (n, 3)
         Dtheta (rad), dx, dy (m), the last of isotropic friction under even pressure, all else
         alike.
-    quantities : tuple of QuantityAgreement
-        Dtheta, dx, dy.
     sampled : ndarray, shape (k, 3), or None
         Means of some of the pushes on samples of the material's posterior, less those
         predicted; None without a posterior.
@@ -120,13 +119,17 @@ class PushAgreement:
     measured: Array
     predicted: Array
     isotropic: Array
-    quantities: tuple[QuantityAgreement, ...]
     sampled: Array | None = None
 
     @property
     def count(self) -> int:
         """How many pushes."""
         return self.theta.size
+
+    @cached_property
+    def quantities(self) -> tuple[QuantityAgreement, ...]:
+        """Dtheta, dx, dy."""
+        return pooled_quantities([self])
 
     @property
     def name(self) -> str:
@@ -205,18 +208,8 @@ def _agreement(pushes: PosedSet, moved: Array, sampled: Array | None) -> PushAgr
         measured=measured,
         predicted=predicted,
         isotropic=isotropic,
-        quantities=_quantities(measured, predicted, sampled),
         sampled=sampled,
     )
-
-
-def _quantities(
-    measured: Array, predicted: Array, shifts: Array | None, sizes: Sequence[int] = ()
-) -> tuple[QuantityAgreement, ...]:
-    """The quantities of pushes (n, 3) of one set, or of sets of these sizes."""
-    errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
-    columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
-    return tuple(quantity_agreement(*column, sizes) for column in columns)
 
 
 def mean_distances(
@@ -246,7 +239,10 @@ def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement,
         shifts = np.average(samples, axis=0, weights=counts)
     measured = np.concatenate([pushes.measured for pushes in sets])
     predicted = np.concatenate([pushes.predicted for pushes in sets])
-    return _quantities(measured, predicted, shifts, [pushes.count for pushes in sets])
+    errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
+    columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
+    sizes = [pushes.count for pushes in sets]
+    return tuple(quantity_agreement(*column, sizes) for column in columns)
 
 
 def quantity_agreement(

@@ -97,6 +97,21 @@ REPLAY_COLUMNS = (
     *TOLD,
     "path",
 )
+# What is told of a group of pushes: a column of theirs, and what is taken of it.
+_GATHERED = {
+    "count": ("error", "size"),
+    "mean_error": ("error", "mean"),
+    "median_error": ("error", "median"),
+    "mean_turn_error": ("turn_error", "mean"),
+    "median_turn_error": ("turn_error", "median"),
+    "mean_motion": ("measured_motion", "mean"),
+    "mean_turn": ("measured_turn", "mean"),
+    "mean_rms_error": ("rms_error", "mean"),
+    "touch_agrees": ("touch_agrees", "mean"),
+    "leaving_agrees": ("leaving_agrees", "mean"),
+    "isotropic_mean_error": ("isotropic_error", "mean"),
+    "isotropic_mean_turn_error": ("isotropic_turn_error", "mean"),
+}
 
 
 def dataset_sliders() -> dict[str, Slider]:
@@ -191,29 +206,13 @@ class ReplayedPushes:
                 raise InvalidInput(
                     f"no column {column!r} to gather by: know {', '.join(self.table.columns)}"
                 )
-        turns = ("turn_error", "measured_turn", "isotropic_turn_error")
-        groups = self.table.assign(**self.table[[*turns]].abs()).groupby(
-            list(columns), dropna=False
-        )
-        mean = groups.mean(numeric_only=True)
-        median = groups.median(numeric_only=True)
-        gathered = {
-            "count": groups.size(),
-            "mean_error": mean["error"],
-            "median_error": median["error"],
-            "mean_turn_error": mean["turn_error"],
-            "median_turn_error": median["turn_error"],
-            "mean_motion": mean["measured_motion"],
-            "mean_turn": mean["measured_turn"],
-            "relative_error": mean["error"] / mean["measured_motion"],
-            "relative_turn_error": mean["turn_error"] / mean["measured_turn"],
-            "mean_rms_error": mean["rms_error"],
-            "touch_agrees": mean["touch_agrees"],
-            "leaving_agrees": mean["leaving_agrees"],
-            "isotropic_mean_error": mean["isotropic_error"],
-            "isotropic_mean_turn_error": mean["isotropic_turn_error"],
-        }
-        return self.table.__class__(gathered).reset_index()
+        turns = ["turn_error", "measured_turn", "isotropic_turn_error"]
+        groups = self.table.assign(**self.table[turns].abs()).groupby([*columns], dropna=False)
+        gathered = groups.agg(**_GATHERED).reset_index()
+        for name, motion in (("error", "mean_motion"), ("turn_error", "mean_turn")):
+            share = gathered[f"mean_{name}"] / gathered[motion]
+            gathered.insert(gathered.columns.get_loc("mean_rms_error"), f"relative_{name}", share)
+        return gathered
 
 
 def replay_pushes(

@@ -20,11 +20,12 @@ from cyclemap.evidence.identification.surface_parameters import (
     PACE_NAMES,
     Parameter,
     ParameterSpace,
+    Rows,
+    Values,
 )
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
-Values = Mapping[str, float]
 
 # Kinds whose rows are the two components of a vector, one behind the other.
 PLANE_KINDS = ("push place (m)", "scan force (N)", "wrench force (N)")
@@ -60,7 +61,8 @@ USUAL = MappingProxyType(
         **dict.fromkeys(PACE_NAMES, (0.0, 1.5)),
     }
 )
-Function = Callable[[Values], tuple[Array, Array]]
+Function = Callable[[Values], Rows]
+Beliefs = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +132,9 @@ class DataBlock:
         if groups.ndim != 1 or (groups.size and not np.issubdtype(groups.dtype, np.integer)):
             raise InvalidInput(f"groups of block {self.name!r} must be whole numbers, one a row")
         groups.setflags(write=False)
-        kinds = (
-            np.full(groups.size, self.kinds)
-            if np.ndim(self.kinds) == 0
-            else np.array(self.kinds, dtype=np.str_)
-        )
+        kinds = np.array(self.kinds, dtype=np.str_)
+        if kinds.ndim == 0:
+            kinds = np.repeat(kinds, groups.size)
         if kinds.shape != groups.shape:
             raise InvalidInput(
                 f"kinds of block {self.name!r} must be one name, or one a row: shape {kinds.shape}"
@@ -146,7 +146,7 @@ class DataBlock:
         """Return the block's parameters by the names that its functions have for them."""
         return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
-    def residuals(self, values: Values) -> tuple[Array, Array]:
+    def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured values, and their derivatives.
 
         Parameters
@@ -183,11 +183,8 @@ class DataBlock:
 
     def columns_by(self, names: Sequence[str], jacobian: Array) -> Array:
         """Return derivatives (n, k) by names of those by the block's parameters, 0 by others."""
-        columns = np.zeros((len(jacobian), len(names)))
-        for index, name in enumerate(names):
-            if name in self.parameters:
-                columns[:, index] = jacobian[:, self.parameters.index(name)]
-        return columns
+        same = np.array(self.parameters)[:, np.newaxis] == np.array(names, dtype=np.str_)
+        return np.asarray(jacobian @ same)
 
     def subset(self, keep: ArrayLike) -> DataBlock:
         """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions
@@ -197,7 +194,7 @@ class DataBlock:
         whole = self.function
         part = self.part
 
-        def some(values: Values) -> tuple[Array, Array]:
+        def some(values: Values) -> Rows:
             residual, jacobian = whole(values)
             return residual[rows], jacobian[rows]
 
@@ -247,7 +244,7 @@ class JointProblem:
 
     blocks: tuple[DataBlock, ...]
     space: ParameterSpace
-    fixed: Mapping[str, float]
+    fixed: Values
     block_index: Labels = field(init=False)
     groups: Labels = field(init=False)
     kinds: Kinds = field(init=False)
@@ -289,7 +286,7 @@ class JointProblem:
         """Return every parameter's value by name, at values (k,) of the free ones."""
         return {**self.fixed, **self.space.values(vector)}
 
-    def evaluate(self, vector: Array) -> tuple[Array, Array]:
+    def evaluate(self, vector: Array) -> Rows:
         """Return residuals (n,) and their derivatives by the free parameters (n, k). Raises
         whatever a block raises.
         """
@@ -302,7 +299,7 @@ class JointProblem:
             jacobians.append(block.columns_by(self.space.names, jacobian))
         return np.concatenate(residuals), np.concatenate(jacobians)
 
-    def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
+    def subset(self, keep: ArrayLike, values: Values) -> JointProblem:
         """Return the problem of the rows where `keep` (n,) is true; empty blocks drop out.
 
         A free parameter that no block asks for any more is held at its value in `values`.
@@ -319,7 +316,7 @@ class JointProblem:
         return JointProblem(tuple(parts), space, {**self.fixed, **idle})
 
 
-def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
+def prior_block(beliefs: Beliefs) -> DataBlock:
     """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block
     of data.
 
@@ -338,10 +335,8 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     width = np.array(
         [positive_number(f"deviation of the believed {key}", beliefs[key][1]) for key in names]
     )
-    kinds = np.repeat(PRIOR_KIND, len(names))
-    return linear_block(
-        "priors", names, np.diag(1.0 / width), centre / width, np.arange(len(names)), kinds
-    )
+    groups = np.arange(len(names))
+    return linear_block("priors", names, np.diag(1.0 / width), centre / width, groups, PRIOR_KIND)
 
 
 def linear_block(
@@ -350,14 +345,14 @@ def linear_block(
     jacobian: Array,
     measured: Array,
     groups: Labels,
-    kinds: Kinds,
+    kinds: ArrayLike,
 ) -> DataBlock:
     """Return the block of measured values (n,) that are ``jacobian`` (n, k) times parameters."""
 
-    def function(values: Values) -> tuple[Array, Array]:
+    def function(values: Values) -> Rows:
         return jacobian @ [values[key] for key in parameters] - measured, jacobian
 
-    return DataBlock(name, parameters, function, groups, kinds)
+    return DataBlock(name, parameters, function, groups, np.asarray(kinds, dtype=np.str_))
 
 
 def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock:
@@ -376,17 +371,13 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
     names = [f"{name}[{session}]" for session in sessions for name in FLOOR_NAMES]
     counted = np.repeat([session not in odd for session in sessions], len(FLOOR_NAMES))
     size = np.where(counted, 1.0, USUAL["floor_dome"][1])
-    mean = np.tile(np.eye(len(FLOOR_NAMES)), (len(sessions), 1)) * counted[:, None]
+    mean = np.tile(np.eye(len(FLOOR_NAMES)), (len(sessions), 1)) * counted[:, np.newaxis]
+    differences = np.hstack([np.eye(len(names)), -mean]) / size[:, np.newaxis]
     believed = _BELIEVED_SESSIONS * len(FLOOR_NAMES)
-    jacobian = np.vstack(
-        [
-            np.hstack([np.eye(len(names)), -mean]) / size[:, None],
-            np.zeros((believed, len(names) + 3)),
-        ]
-    )
-    kinds = np.where(counted, np.tile(SESSION_KINDS, len(sessions)), PRIOR_KIND)
-    kinds = np.concatenate([kinds, np.tile(SESSION_KINDS, _BELIEVED_SESSIONS)])
-    usual = np.concatenate([np.zeros(len(names)), np.full(believed, -USUAL_SPREAD)])
+    jacobian = np.pad(differences, ((0, believed), (0, 0)))
+    kinds = np.tile(SESSION_KINDS, len(sessions) + _BELIEVED_SESSIONS)
+    kinds = np.where(np.append(counted, [True] * believed), kinds, PRIOR_KIND)
+    usual = np.repeat([0.0, -USUAL_SPREAD], [len(names), believed])
     groups = np.arange(usual.size) // len(FLOOR_NAMES)
     return linear_block("sessions", (*names, *FLOOR_NAMES), jacobian, usual, groups, kinds)
 

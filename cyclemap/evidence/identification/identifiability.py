@@ -11,7 +11,7 @@ import numpy as np
 from cyclemap.arrays import Array, Mask
 from cyclemap.checks import read_only
 from cyclemap.evidence.identification.data_block import BELIEF_KINDS, JointProblem, Labels
-from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw
+from cyclemap.evidence.identification.least_squares import NORMAL, Fit, NoiseLaw
 
 _NORMAL = 1e9
 # A direction is open if its standard error, in the parameters' scales, exceeds this.
@@ -45,14 +45,13 @@ class Uncertainty:
     open: tuple[str, ...]
 
 
-def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) -> Uncertainty:
+def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw = NORMAL) -> Uncertainty:
     """Return the uncertainty of a fit from its derivatives, good to first order.
 
     Rows of single groups, or of noise that was given: the inverse information. Where rows share
     groups otherwise: the sandwich of Liang & Zeger. To both comes what estimating the weights of
     the kinds from the same data costs.
     """
-    law = law or NoiseLaw()
     scale = problem.space.scale
     kinds = problem.kind_index
     jacobian = fit.jacobian / fit.noise[kinds, None] * scale

@@ -5,7 +5,7 @@ qualifies them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -19,15 +19,16 @@ from cyclemap.evidence.identification.data_block import (
     PLANE_KINDS,
     PRIOR_KIND,
     SESSION_KINDS,
+    Beliefs,
     DataBlock,
     JointProblem,
     Labels,
-    Values,
     prior_block,
 )
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.least_squares import (
     NO_ANSWER,
+    NORMAL,
     Fit,
     MultiStart,
     NoiseLaw,
@@ -41,13 +42,14 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     ParameterSpace,
     SurfaceParameters,
+    Values,
     owned_shapes,
 )
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.progress import Progress, part_of, unheard
-from cyclemap.written import UNWRITTEN
+from cyclemap.written import UNWRITTEN, Unit, readable_unit
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
@@ -55,7 +57,6 @@ _CLOSE = 1e-3
 _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
 _TOLD = 0.8
-Beliefs = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def cross_validate(
     problem: JointProblem,
     fit: Fit,
     fold: Labels,
-    law: NoiseLaw | None = None,
+    law: NoiseLaw = NORMAL,
     progress: Progress | None = None,
 ) -> tuple[Array, list[str]]:
     """Fit without each fold (n,), from the fit to all, and predict it; kinds keep the weights of
@@ -148,10 +149,10 @@ def cross_validate(
 
 
 def kind_errors(
-    problem: JointProblem, fit: Fit, left_out: Array | None = None, isotropic: Array | None = None
+    problem: JointProblem, fit: Fit, left_out: Array, isotropic: Array
 ) -> tuple[KindErrors, ...]:
     """Return the sizes of the errors of every kind in every block; also of rows left out, and of
-    flat isotropy.
+    flat isotropy, (n,), nan where they are not known.
     """
     errors = []
     for index, block in enumerate(problem.blocks):
@@ -160,33 +161,57 @@ def kind_errors(
                 continue
             rows = (problem.block_index == index) & (problem.kinds == kind)
             inside = _moments(kind, fit.residuals[rows])
-            outside = _moments(kind, None if left_out is None else left_out[rows])
-            plain = _moments(kind, None if isotropic is None else isotropic[rows])
+            outside = _moments(kind, left_out[rows])
+            plain = _moments(kind, isotropic[rows])
             count = int(np.sum(rows)) // (2 if kind in PLANE_KINDS else 1)
             errors.append(KindErrors(block.name, kind, count, *inside, *outside, *plain[:2]))
     return tuple(errors)
 
 
-def _moments(kind: str, errors: Array | None) -> list[float]:
+def _moments(kind: str, errors: Array) -> list[float]:
     """Mean, median and root mean square of the sizes of errors that are known; nan without any."""
-    if errors is None or not np.isfinite(errors).any():
-        return [np.nan] * 3
     # Of components the lengths of their vectors count.
     sizes = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
     known = sizes[np.isfinite(sizes)]
+    if not known.size:
+        return [np.nan] * 3
     return [float(np.mean(known)), float(np.median(known)), float(np.sqrt(np.mean(known**2)))]
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """One parameter, as identified.
+class NamedInterval:
+    """A number with its interval.
 
     Attributes
     ----------
-    name, description, unit : str
-        As of the `Parameter`.
+    name, description : str
+        What it is called, and in plain words what it is.
+    unit : str
+        SI, or kPa; 1 for a pure number.
     value, lower, upper : float
-        Best value and ends of its interval, in `unit`.
+        Best value and ends of its interval, in `unit`; angles are on the lift nearest to the value.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+
+    @property
+    def readable(self) -> tuple[Unit, float, float, float]:
+        """The unit that people are told it in; value and ends of its interval in that."""
+        unit = readable_unit(self.unit)
+        return unit, unit.of_si(self.value), unit.of_si(self.lower), unit.of_si(self.upper)
+
+
+@dataclass(frozen=True)
+class Estimate(NamedInterval):
+    """One parameter, as identified; see `NamedInterval`.
+
+    Attributes
+    ----------
     standard_error : float
         To first order, inf where the data do not fix it.
     identifiable : bool
@@ -197,12 +222,6 @@ class Estimate:
         The end is a bound, not a finding.
     """
 
-    name: str
-    description: str
-    unit: str
-    value: float
-    lower: float
-    upper: float
     standard_error: float
     identifiable: bool
     at_bound: str
@@ -250,7 +269,7 @@ class Identification:
 
     estimates: tuple[Estimate, ...]
     level: float
-    priors: Mapping[str, tuple[float, float]]
+    priors: Beliefs
     errors: tuple[KindErrors, ...]
     starts: MultiStart
     fit: Fit
@@ -311,13 +330,13 @@ class Identification:
 def identify(
     blocks: Sequence[DataBlock],
     free: Sequence[str],
-    fixed: Mapping[str, float] | None = None,
+    fixed: Values | None = None,
     *,
     priors: Beliefs | None = None,
     starts: int = 8,
     level: float = 0.95,
     folds: int = 0,
-    noise: Mapping[str, float] | None = None,
+    noise: Values | None = None,
     student: float | None = None,
     space: ParameterSpace = SURFACE,
     seed: int = 0,
@@ -394,7 +413,7 @@ def identify(
         known = {**known, PRIOR_KIND: 1.0}
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
-    fold = None if folds == 0 else random_folds(problem, folds, seed)
+    fold = random_folds(problem, folds, seed) if folds else None
     report = progress or unheard
     # The searches are the first three fifths of the work, cross-validation the rest.
     searches = multi_start(
@@ -402,7 +421,7 @@ def identify(
     )
     fit = searches.best
     errors = uncertainty(problem, fit, law)
-    left_out = None
+    left_out = np.full(problem.groups.size, np.nan)
     failures = list[str]()
     if fold is not None:
         left_out, failures = cross_validate(
@@ -433,22 +452,22 @@ def _stayed_notes(blocks: Sequence[DataBlock], values: Values) -> list[str]:
     return notes
 
 
-def _isotropic_residuals(problem: JointProblem) -> Array | None:
-    """The residuals of isotropic friction, plate and floor flat, rod and ring as usual, no frames
-    shifted; None where that has no answer.
+def _isotropic_residuals(problem: JointProblem) -> Array:
+    """The residuals (n,) of isotropic friction, plate and floor flat, rod and ring as usual, no
+    frames shifted; nan where that has no answer.
     """
     plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset", "rod_off")
     usual = {**problem.fixed, **problem.space.nominal}
     flat = {name: 0.0 if name.startswith(plain) else usual[name] for name in usual}
     with suppress(*NO_ANSWER):
         return replace(problem, fixed=flat).evaluate(problem.space.vector(flat))[0]
-    return None
+    return np.full(problem.groups.size, np.nan)
 
 
 def _problem(
     blocks: Sequence[DataBlock],
     free: tuple[str, ...],
-    fixed: Mapping[str, float],
+    fixed: Values,
     space: ParameterSpace,
 ) -> tuple[JointProblem, list[str]]:
     """The problem, and a note for every value that was not given."""

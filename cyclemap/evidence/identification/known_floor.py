@@ -1,14 +1,18 @@
-"""What is known before an identification: of a floor from its material, of plates from their
-shapes.
+"""What is known before an identification, of a floor from its material, of plates from their shapes,
+and the identification of collected data with it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from cyclemap.errors import ConvergenceError
+from cyclemap.evidence.identification.collected_blocks import CollectedBlocks
 from cyclemap.evidence.identification.data_block import SESSION_KINDS, USUAL, DataBlock
+from cyclemap.evidence.identification.identify import Identification, identify
+from cyclemap.evidence.identification.session_blocks import PLATE_OWNED, SESSION_OWNED
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,
     FLOOR_NAMES,
@@ -16,9 +20,12 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     ParameterSpace,
     SurfaceParameters,
+    Values,
     field_factors,
 )
+from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import Material, PlatePressure
+from cyclemap.progress import Progress
 
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
@@ -27,6 +34,8 @@ _ELLIPSE = SURFACE.names[1:5]
 _RING = "pin_friction_radius"
 FLOOR_TOLD = (*_ELLIPSE, _RING)
 _FOUND = ("pusher_friction", _RING)
+# So many sessions tell how the floor's shape varies with the place.
+_SESSIONS_OF_A_FIELD = 4
 # Samples that differ by less than this share of their mean are all the same.
 _ALIKE = 1e-9
 # How well a material knows what it has no samples of.
@@ -140,3 +149,85 @@ def held_values(
         for name, height in zip(FIELD_NAMES, heights.tolist(), strict=True)
         if name in asked
     }
+
+
+def telling_parameters(
+    blocks: Sequence[DataBlock], believed: Collection[str] | None = None
+) -> tuple[str, ...]:
+    """Return the names of what blocks of data can usually tell, for a start: not what mostly trades
+    off.
+
+    The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates,
+    the rod, how each data set's frame is shifted, friction in the ring with cycles, how the surface
+    wears; of four sessions and more, how the floor's shape varies with the place. believed : of a
+    known floor, what its samples tell of ellipse and ring (`FLOOR_TOLD`); single pushes and drags
+    take the rest of it as it stands, and drags the ring: they scatter by more than any ring
+    explains, and would take that for friction in it.
+
+    >>> ratios = DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")
+    >>> telling_parameters([ratios])
+    ('pusher_friction',)
+    """
+    asked = {name for block in blocks for name in block.parameters}
+    by_cycles = {name for block in blocks if block.curve for name in block.parameters}
+    of_ellipse = by_cycles | {
+        name for block in blocks if block.motions is None for name in block.parameters
+    }
+    by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
+    free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
+    owned = {row.name for row in (*PLATE_OWNED, *SESSION_OWNED)}
+    beside = asked & {"pusher_friction", *by_cycles, *(believed or ())}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in beside]
+    free += sorted(name for name in asked if name.partition("[")[0] in owned)
+    free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
+    if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
+        free += [name for name in FIELD_NAMES if name in asked]
+    return (*free, *sorted(name for name in asked if name.startswith(("worn_", "wear_pace_"))))
+
+
+def identify_collected(
+    collected: CollectedBlocks,
+    known: Material | None,
+    fixed: Values,
+    space: ParameterSpace,
+    *,
+    free: Sequence[str] = (),
+    believes: bool = True,
+    folds: int = 0,
+    starts: int = 2,
+    student: float | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Identification:
+    """Identify the parameters named, or else all that the data tell and is not fixed; raises
+    ConvergenceError where no start converges.
+
+    known : the floor whose samples are what is believed before. fixed : values that stay, but of
+    parameters named. space : where the search begins. believes : whether usual beliefs and those of
+    the known floor count; folds, starts, student, seed, progress : see `identify`.
+    """
+    blocks = collected.blocks
+    by_floor = None if known is None else known_beliefs(known, FLOOR_TOLD)
+    if not free:
+        free = [name for name in telling_parameters(blocks, by_floor) if name not in fixed]
+    beliefs = collected.beliefs(free) | known_beliefs(known, free, collected.loop.slider.name)
+    held = {name: value for name, value in fixed.items() if name not in free}
+    identified = identify(
+        blocks,
+        free,
+        held_values(blocks, space, free, known) | held,
+        priors=beliefs if believes else {},
+        noise={**collected.noise, **known_spread(known, blocks)},
+        folds=folds,
+        starts=starts,
+        student=student,
+        seed=seed,
+        space=space,
+        progress=progress,
+    )
+    if not identified.fit.converged:
+        raise ConvergenceError(
+            f"no start converged: {identified.fit.message}; take more starts, or free fewer "
+            "parameters"
+        )
+    return identified

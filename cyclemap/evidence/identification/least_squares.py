@@ -4,13 +4,12 @@ starts.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
 from cyclemap.evidence.identification.data_block import (
@@ -19,7 +18,8 @@ from cyclemap.evidence.identification.data_block import (
     USUAL_SPREAD,
     JointProblem,
 )
-from cyclemap.progress import Progress, part_of
+from cyclemap.evidence.identification.surface_parameters import Rows, Values
+from cyclemap.progress import Progress, part_of, unheard
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9
@@ -42,6 +42,8 @@ _LOOSE = 0.1
 _FIRST = 1e-2
 _LATER = 1e-5
 _OFF = 0.05
+# So many points asked for last are kept.
+_KEPT = 9
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
 _ROUNDS = 40
@@ -67,13 +69,9 @@ class NoiseLaw:
     freedom: float | None = None
 
     def __post_init__(self) -> None:
-        if (
-            self.freedom is not None
-            and finite_number("degrees of freedom of the noise", self.freedom) <= 1.0
-        ):
-            raise InvalidInput(
-                f"degrees of freedom of the noise must exceed one, not {self.freedom!r}"
-            )
+        name = "degrees of freedom of the noise"
+        if self.freedom is not None and finite_number(name, self.freedom) <= 1.0:
+            raise InvalidInput(f"{name} must exceed one, not {self.freedom!r}")
 
     def loss(self, z: Array) -> Array:
         """Return rho, rho' and rho'' at squared standardised residuals (n,): (3, n)."""
@@ -93,6 +91,9 @@ class NoiseLaw:
     def information(self) -> float:
         """Fisher information of one row about its mean, in units of 1/noise^2."""
         return 1.0 if self.freedom is None else (self.freedom + 1.0) / (self.freedom + 3.0)
+
+
+NORMAL = NoiseLaw()
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +124,7 @@ class Fit:
 
     vector: Array
     noise: Array
-    known: NDArray[np.bool_]
+    known: Mask
     deviance: float
     residuals: Array
     jacobian: Array
@@ -154,24 +155,21 @@ class Search:
     of an unknown kind.
     """
 
-    def __init__(
-        self, problem: JointProblem, law: NoiseLaw | None, known: Mapping[str, float] | None = None
-    ) -> None:
-        for kind, size in (known or {}).items():
+    def __init__(self, problem: JointProblem, law: NoiseLaw, known: Values | None = None) -> None:
+        given = known or {}
+        for kind, size in given.items():
             if kind not in problem.kind_names:
                 raise unknown_name("kind of noise", kind, problem.kind_names)
             positive_number(f"noise of {kind!r}", size)
         self.problem = problem
-        self.law = law or NoiseLaw()
-        # What is given of the noise (kinds,), nan elsewhere, and its least size, told by the first
-        # start.
-        self.held = np.array(
-            [(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float
-        )
-        self.floor: Array | None = None
+        self.law = law
+        # What is given of the noise (kinds,), nan elsewhere, and its least size, empty until the
+        # first start tells it.
+        self.held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+        self.floor = np.zeros(0)
         self.count = 0
-        self.progress = part_of(None, 0, 1)
-        self._known: dict[bytes, tuple[Array, Array]] = {}
+        self.progress: Progress = unheard
+        self._evaluate = lru_cache(_KEPT)(self._evaluated)
 
     def solve(self, start: Array, progress: Progress) -> Fit:
         """Fit parameters (k,) and the noise of each kind in turn, until both stand still.
@@ -188,7 +186,7 @@ class Search:
         squares = np.bincount(index, self.at(vector)[0] ** 2, held.size)
         rows = np.bincount(index, minlength=held.size)
         first = np.sqrt(squares / rows)
-        if self.floor is None:
+        if not self.floor.size:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
         counts = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
@@ -197,7 +195,7 @@ class Search:
         for _ in range(_ROUNDS):
             fit = self.minimise(vector, noise, tolerance)
             vector = fit.vector
-            new = self.estimated_noise(fit, self.floor)
+            new = self.estimated_noise(fit)
             change = float(np.max(np.abs(np.log(new / noise)) * counts))
             noise = new
             if tolerance == close and change < _NOISE_TOLERANCE:
@@ -205,22 +203,20 @@ class Search:
             if change < _ROUGH:
                 tolerance = close
         converged = fit.converged and change < _NOISE_TOLERANCE
-        message = (
-            fit.message
-            if converged or not fit.converged
-            else f"the noise did not settle in {_ROUNDS} rounds"
-        )
+        message = fit.message
+        if fit.converged and not converged:
+            message = f"the noise did not settle in {_ROUNDS} rounds"
         return self.fit(vector, noise, converged, message)
 
-    def at(self, vector: Array) -> tuple[Array, Array]:
+    def at(self, vector: Array) -> Rows:
         """Return residuals (n,) and derivatives (n, k), or raise what the model raises."""
-        key = vector.tobytes()
-        if key not in self._known:
-            self.count += 1
-            both = self.problem.evaluate(vector)
-            self.progress(self.count / (self.count + _HALF_WAY))
-            self._known = dict([*self._known.items()][-8:]) | {key: both}
-        return self._known[key]
+        return self._evaluate(vector.tobytes())
+
+    def _evaluated(self, vector: bytes) -> Rows:
+        self.count += 1
+        both = self.problem.evaluate(np.frombuffer(vector))
+        self.progress(self.count / (self.count + _HALF_WAY))
+        return both
 
     def inside(self, vector: Array) -> Array:
         """Return the point, strictly within the bounds."""
@@ -283,9 +279,9 @@ class Search:
             message,
         )
 
-    def estimated_noise(self, fit: Fit, floor: Array) -> Array:
-        """Return the next estimate (kinds,) of the noise, above `floor`: the residuals' squares
-        over their redundancy.
+    def estimated_noise(self, fit: Fit) -> Array:
+        """Return the next estimate (kinds,) of the noise, above its least size: the residuals'
+        squares over their redundancy.
 
         The redundancy of a kind is its number of rows less their share in fixing the parameters,
         the trace of the hat matrix; repeated with a fit in between, this leads to restricted
@@ -321,7 +317,7 @@ class Search:
             half = 0.5 * left_over * USUAL_SPREAD**2
             tame = half * (np.sqrt(1.0 + 2.0 * variance / half) - 1.0)
             variance = np.where(between_sessions, tame, variance)
-            sizes = np.maximum(np.sqrt(variance), floor)
+            sizes = np.maximum(np.sqrt(variance), self.floor)
             before = noise
             noise = np.where(np.isnan(held), sizes, held)
             if np.max(np.abs(np.log(noise / before))) < _SETTLED:
@@ -350,8 +346,8 @@ def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
 def multi_start(
     problem: JointProblem,
     starts: Array,
-    law: NoiseLaw | None = None,
-    known: Mapping[str, float] | None = None,
+    law: NoiseLaw = NORMAL,
+    known: Values | None = None,
     progress: Progress | None = None,
 ) -> MultiStart:
     """Fit from every start (count, k) and keep the best; a start without an answer is recorded and
@@ -377,10 +373,10 @@ def multi_start(
             f"none of {len(starts)} starts has an answer; the first: {failures[0]}"
         )
     best = min(fits, key=lambda fit: fit.deviance)
-    # A start arrived if its deviance is as low, or its parameters are the same in their scales.
-    apart = [
-        np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits
-    ]
-    higher = [abs(fit.deviance - best.deviance) for fit in fits]
-    arrived = sum(d < _SAME_PLACE or h < _SAME_DEVIANCE for d, h in zip(apart, higher, strict=True))
-    return MultiStart(best, len(starts), int(arrived), tuple(failures))
+    arrived = 0
+    for fit in fits:
+        # A start arrived if its deviance is as low, or its parameters are the same in their scales.
+        apart = np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0)
+        if apart < _SAME_PLACE or fit.deviance - best.deviance < _SAME_DEVIANCE:
+            arrived += 1
+    return MultiStart(best, len(starts), arrived, tuple(failures))

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
-from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -35,6 +35,9 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.foundation import FLAT, FloorField
 from cyclemap.mechanics.plate_footprint import mean_pressure, pressed_footprint
 
+Values = Mapping[str, float]
+# Numbers, and their derivatives.
+Rows = tuple[Array, Array]
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 FLOOR_NAMES = ("floor_dome", "floor_bow_x", "floor_bow_y")
 PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
@@ -179,7 +182,7 @@ class ParameterSpace:
         """Return the space of some of the parameters, in the order of `names`. Raises InvalidInput
         for unknown ones.
         """
-        return ParameterSpace(tuple(self[name] for name in names))
+        return ParameterSpace(tuple(map(self.__getitem__, names)))
 
     def extended(self, *parameters: Parameter) -> ParameterSpace:
         """Return the space with further parameters; one of a name that is already there takes its
@@ -189,7 +192,7 @@ class ParameterSpace:
         kept = [new.pop(parameter.name, parameter) for parameter in self.parameters]
         return ParameterSpace((*kept, *new.values()))
 
-    def vector(self, values: Mapping[str, float]) -> Array:
+    def vector(self, values: Values) -> Array:
         """Return the values (k,) in this order. Raises InvalidInput for one that is missing or not
         finite.
         """
@@ -300,19 +303,18 @@ def field_factors() -> Array:
     A plate feels the curvature of the height h under its centroid: dome (h_xx + h_yy) / 4, bow
     (h_xx - h_yy) / 4 and h_xy / 2.
     """
-    terms = {(1, 0): 0, (0, 1): 1, (2, 0): 2, (1, 1): 3, (0, 2): 4}
+    terms = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
+    shares = {(2, 0): (0.25, 0.25, 0.0), (0, 2): (0.25, -0.25, 0.0), (1, 1): (0.0, 0.0, 0.5)}
     factors = np.zeros((3, 5, len(HEIGHT_POWERS)))
     for column, (m, n) in enumerate(HEIGHT_POWERS):
-        if m > 1:
-            factors[:2, terms[m - 2, n], column] += 0.25 * m * (m - 1) * np.array((1.0, 1.0))
-        if n > 1:
-            factors[:2, terms[m, n - 2], column] += 0.25 * n * (n - 1) * np.array((1.0, -1.0))
-        if m > 0 and n > 0:
-            factors[2, terms[m - 1, n - 1], column] += 0.5 * m * n
+        for (by_x, by_y), share in shares.items():
+            if m >= by_x and n >= by_y:
+                factor = math.perm(m, by_x) * math.perm(n, by_y)
+                factors[:, terms.index((m - by_x, n - by_y)), column] += factor * np.array(share)
     return factors
 
 
-def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> tuple[Array, Array]:
+def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> Rows:
     """Return how much of the wear is done, 0 to 1, and its derivatives (n, k) by the logarithms
     of the pace.
 
@@ -330,7 +332,7 @@ def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> tuple[Array, Array]:
     return share, worn * (done - share[:, np.newaxis])
 
 
-def floor_field(values: Mapping[str, float]) -> FloorField | None:
+def floor_field(values: Values) -> FloorField | None:
     """Return how values by name let a floor's shape vary with the place, kPa; None where they do
     not.
     """
@@ -404,7 +406,7 @@ class SurfaceParameters:
                 )
 
     @classmethod
-    def from_values(cls, values: Mapping[str, float]) -> SurfaceParameters:
+    def from_values(cls, values: Values) -> SurfaceParameters:
         """Return the surface of values by name; other names are left alone, missing ones take their
         nominal value.
         """
@@ -443,14 +445,22 @@ class SurfaceParameters:
             mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi
         )
 
+    @property
+    def floor(self) -> SurfaceShape:
+        """The shape of the floor, kPa at 50 mm."""
+        return SurfaceShape.of_bend(self.floor_dome, self.floor_bow_x, self.floor_bow_y)
+
+    @property
+    def plate(self) -> SurfaceShape:
+        """The shape of the plate, kPa at 50 mm."""
+        return SurfaceShape.of_bend(self.plate_dome, self.plate_warp_x, self.plate_warp_y)
+
     def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
         """Return how an object rests on the surface, in its own mean pressures; field : of the
         floor, kPa.
         """
-        floor, plate = (
-            owned_shapes(self.values(), names)[""] for names in (FLOOR_NAMES, PLATE_NAMES)
-        )
-        return pressed_footprint(slider, plate, floor, field, 1.0 / mean_pressure(slider))
+        unit = 1.0 / mean_pressure(slider)
+        return pressed_footprint(slider, self.plate, self.floor, field, unit)
 
     def chain(
         self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names
@@ -503,7 +513,7 @@ class SurfaceParameters:
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
 
 
-def owned_shapes(values: Mapping[str, float], names: tuple[str, ...]) -> dict[str, SurfaceShape]:
+def owned_shapes(values: Values, names: tuple[str, ...]) -> dict[str, SurfaceShape]:
     """Return the shapes, kPa at 50 mm, that three names tell, by their owner; of what has no owner,
     under the empty.
 

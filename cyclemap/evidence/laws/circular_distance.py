@@ -10,7 +10,9 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly
+from scipy.integrate import cumulative_simpson
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
@@ -26,9 +28,6 @@ _MASS_ERROR = (
 )
 _NEGATIVE = -1e-3 / TWO_PI  # rounding and truncated series dip below zero, but never that far
 DEFAULT_BINS = 36
-_BLOCK = 1 << 20  # entries of a table worked on at a time
-# the integral is flat in the median: its error is of second order in what is left of the bracket
-_HALVINGS = 34
 _TIE = 1e-12  # values that differ by rounding alone count as equal, which makes p larger
 DEFAULT_BANDWIDTH = 0.1  # rad, about 6 degrees
 _LEAST_RISE = 0.1 / TWO_PI  # a tenth of the uniform density
@@ -49,12 +48,8 @@ class CircularLaw:
 
     Attributes
     ----------
-    knots : ndarray, shape (cells + 1,)
-        Ends of the cells, rad.
-    masses : ndarray, shape (cells + 1,)
-        Distribution function at the knots.
-    by_cell : scipy.interpolate.PPoly
-        Distribution function of an angle counted in cells.
+    reached : scipy.interpolate.CubicHermiteSpline
+        Distribution function of an angle in [0, 2π], rad; its knots are the ends of the cells.
 
     Raises
     ------
@@ -85,9 +80,7 @@ class CircularLaw:
 
     density: Density
     cells: int = 2048
-    knots: Array = field(init=False, repr=False)
-    masses: Array = field(init=False, repr=False)
-    by_cell: PPoly = field(init=False, repr=False)
+    reached: CubicHermiteSpline = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not callable(self.density):
@@ -108,28 +101,22 @@ class CircularLaw:
                 "negative"
             )
         values = np.maximum(values, 0.0)
-        parts = (values[:-2:2] + 4.0 * values[1::2] + values[2::2]) * (TWO_PI / (6.0 * count))
-        total = float(np.sum(parts))
+        below = cumulative_simpson(values, dx=angles[1], initial=0.0)[::2]
+        total = float(below[-1])
         if abs(total - 1.0) > _MASS_ERROR:
             raise InvalidInput(
                 f"the density integrates to {total:g} over the circle, not 1: give it per radian"
             )
-        below = np.append(0.0, np.cumsum(parts) / total)
-        below[-1] = 1.0
-        mass = np.diff(below)
-        # At most three times the mean slope: the cubic then never falls.
-        heights = values[::2] * (TWO_PI / (total * count))
-        rise = np.minimum(heights[:-1], 3.0 * mass)
-        end = np.minimum(heights[1:], 3.0 * mass)
-        cubic = [rise + end - 2.0 * mass, 3.0 * mass - 2.0 * rise - end, rise, below[:-1]]
-        object.__setattr__(self, "knots", read_only(np.linspace(0.0, TWO_PI, count + 1)))
-        object.__setattr__(self, "masses", read_only(below))
-        object.__setattr__(self, "by_cell", PPoly(cubic, np.arange(count + 1.0)))
+        # At most three times the mean slope of either cell beside: the cubic then never falls.
+        mean = np.diff(below) / np.diff(angles[::2])
+        least = np.minimum(np.append(mean, mean[0]), np.append(mean[-1], mean))
+        slopes = np.minimum(values[::2], 3.0 * least)
+        reached = CubicHermiteSpline(angles[::2], below / total, slopes / total)
+        object.__setattr__(self, "reached", reached)
 
     def cumulative(self, theta: ArrayLike) -> Array:
         """Probability of the arc from 0 to θ mod 2π, any shape."""
-        angle = np.mod(finite_array("theta", theta), TWO_PI)
-        return np.asarray(self.by_cell(angle * (self.cells / TWO_PI)))
+        return np.asarray(self.reached(np.mod(finite_array("theta", theta), TWO_PI)))
 
     def bin_probabilities(self, bins: int) -> Array:
         """Probability of each of ``bins`` equal bins over [0, 2π)."""
@@ -205,45 +192,29 @@ def circular_wasserstein(sample: ArrayLike, law: CircularLaw | ArrayLike) -> Arr
         order = np.argsort(levels)
         median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
         return np.asarray(np.abs(levels - median) @ gaps)[()]
-    angles = orientations("sample", sample)
-    rows = angles.reshape(-1, angles.shape[-1])
-    block = max(1, _BLOCK // (rows.shape[1] + law.cells))
-    distances = [_wasserstein_rows(rows[at : at + block], law) for at in range(0, len(rows), block)]
-    return np.concatenate(distances).reshape(angles.shape[:-1])[()]
+    return np.apply_along_axis(_distance_from_law, -1, orientations("sample", sample), law)[()]
 
 
-def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
-    """∫ |F - G - median(F - G)| dθ of each row."""
-    count, size = rows.shape
-    knots = np.broadcast_to(law.knots[:-1], (count, law.cells))
-    masses = np.broadcast_to(law.masses[:-1], (count, law.cells))
+def _distance_from_law(angles: Array, law: CircularLaw) -> float:
+    """∫ |F - G - median(F - G)| dθ of one sample (n,), rad in [0, 2π)."""
+    places = np.concatenate([angles, law.reached.x[:-1]])
+    order = np.argsort(places)
+    places = places[order]
+    width = np.diff(places, append=TWO_PI)
     # F - G falls on each segment between samples and knots, from high to low.
-    angles = np.concatenate([rows, knots], axis=1)
-    order = np.argsort(angles, axis=1)
-    width = np.diff(np.take_along_axis(angles, order, axis=1), axis=1, append=TWO_PI)
-    reached = np.take_along_axis(
-        np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1
-    )
-    steps = np.cumsum(order < size, axis=1) / size
-    high = steps - reached
-    low = steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
-    # The level that it lies below on half of the circle, by bisection.
+    steps = np.cumsum(order < angles.size) / angles.size
+    reached = np.append(law.reached(places), 1.0)
+    high = steps - reached[:-1]
+    low = steps - reached[1:]
     span = np.where(high > low, high - low, 1.0)
     rate = np.where(high > low, 1.0 / span, 1e300)
-    bottom = np.min(low, axis=1)
-    top = np.max(high, axis=1)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (bottom + top)
-        share = np.clip((middle[:, None] - low) * rate, 0.0, 1.0)
-        under = np.einsum("ij,ij->i", share, width) < np.pi
-        bottom = np.where(under, middle, bottom)
-        top = np.where(under, top, middle)
-    level = 0.5 * (bottom + top)[:, None]
+    # The level that it lies below on half of the circle; the integral is flat there.
+    level = brentq(lambda level: np.clip((level - low) * rate, 0.0, 1.0) @ width - np.pi, -2.0, 2.0)
     above = high - level
     below = low - level
     crossing = (above > 0.0) & (below < 0.0)
     mean = np.where(crossing, (above**2 + below**2) / (2.0 * span), 0.5 * np.abs(above + below))
-    return np.asarray(np.sum(width * mean, axis=1))
+    return float(width @ mean)
 
 
 def total_variation(
@@ -461,10 +432,10 @@ def kernel_modes(theta: ArrayLike, bandwidth: float = DEFAULT_BANDWIDTH) -> Arra
     moments = np.array([np.mean(np.exp(1j * k * angles)) for k in order])
     weights = np.exp(-0.5 * np.square(width * order)) * moments.conj() / np.pi
 
-    def slope(at: Array) -> Array:
-        return np.real(np.exp(1j * np.multiply.outer(at, order)) @ (1j * order * weights))
+    def series(at: Array, weights: Array) -> Array:
+        return np.real(np.exp(1j * np.multiply.outer(at, order)) @ weights)
 
     count = 1 << int(np.ceil(np.log2(8 * order.size)))
     grid = TWO_PI * np.arange(count) / count
-    values = 1.0 / TWO_PI + np.real(np.exp(1j * np.multiply.outer(grid, order)) @ weights)
-    return peaks_of(slope, grid, values, _LEAST_RISE)
+    values = 1.0 / TWO_PI + series(grid, weights)
+    return peaks_of(lambda at: series(at, 1j * order * weights), grid, values, _LEAST_RISE)

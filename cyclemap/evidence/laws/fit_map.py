@@ -64,8 +64,8 @@ class WornLaw:
     first, last : float
         The cycles s = -1 and s = 1; outside them the law stays as it is at the nearer one.
     whole : PeriodicLaw
-        The law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does
-        not wear.
+        The mean law of all these cycles, with the count, RMSE and scatter of the whole fit. The
+        scatter does not wear.
     covariance : ndarray, shape (degree + 1, 2K + 1, degree + 1, 2K + 1)
         Of the coefficients.
     rmse_by_order : ndarray, shape (degrees, orders), or None
@@ -193,11 +193,9 @@ def fit_worn_law(
     coefficients = read_only(fit.coefficients.reshape(shape).T)
     covariance = read_only(fit.covariance.reshape(shape + shape).transpose(1, 0, 3, 2))
     plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
-    whole = law_of(plain, log_variance, values, None)
-    middle = WornLaw(coefficients, first, last, whole, covariance).at(0.5 * (first + last))
-    return WornLaw(
-        coefficients, first, last, middle, covariance, None if errors is None else read_only(errors)
-    )
+    mean = law_of(plain, log_variance, values, None)
+    errors = None if errors is None else read_only(errors)
+    return WornLaw(coefficients, first, last, mean, covariance, errors)
 
 
 def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array:

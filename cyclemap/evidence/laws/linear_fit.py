@@ -121,7 +121,7 @@ def cycle_folds(count: int, seed: int) -> Whole:
     whole_number("seed", seed, least=0)
     blocks = FOLDS * max(1, min(BLOCKS_A_FOLD, count // (SMALLEST_BLOCK * FOLDS)))
     dealt = np.random.default_rng(seed).permutation(np.arange(blocks) % FOLDS)
-    return np.asarray(dealt[np.arange(count) * blocks // count], dtype=np.int64)
+    return dealt[np.arange(count) * blocks // count]
 
 
 def nested_errors(

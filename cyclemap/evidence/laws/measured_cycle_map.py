@@ -4,6 +4,7 @@ was fitted to.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -341,12 +342,11 @@ def measured_cycle_map(
     crowd, bias, square = _residuals_around(pairs, fitted)
     # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
     # crowds count.
-    crowded = np.flatnonzero(seen & (crowd > 0))
-    crowded = crowded[crowd[crowded] >= min(_CROWD, int(np.max(crowd[crowded])))]
-    size = np.sqrt(square[crowded])
+    crowded = np.flatnonzero(seen & (crowd >= np.minimum(_CROWD, np.max(crowd[seen]))))
+    square = square[crowded]
     quietest, loudest = (
-        ScatterPlace(float(_AROUND[crowded[k]]), float(size[k]))
-        for k in (np.argmin(size), np.argmax(size))
+        ScatterPlace(float(_AROUND[crowded[index]]), math.sqrt(square[index]))
+        for index in (np.argmin(square), np.argmax(square))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)

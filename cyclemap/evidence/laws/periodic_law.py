@@ -257,7 +257,7 @@ class PeriodicLaw:
     def noise(self, theta: ArrayLike) -> Array:
         """The standard deviation of one value about the law at θ."""
         columns = fourier_columns(theta, self.log_variance.size // 2)
-        return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
+        return np.exp(0.5 * (columns @ self.log_variance))
 
     def half_bands(self, theta: ArrayLike) -> tuple[Array, Array]:
         """How far Student's bands of 95 %, one angle at a time, reach to either side of the law.

@@ -5,7 +5,7 @@ differ.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -163,29 +163,22 @@ def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFr
     Raises InvalidInput, telling what there is, for a column of another name and where no push has a
     value.
     """
-    kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
         if column not in SET_FACTS:
             raise unknown_name("column", column, SET_FACTS)
         cells = table[column]
-        same = (
-            cells == value
-            if column in _TEXT
-            else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
-        )
+        same = cells == value
+        if column not in _TEXT:
+            same = np.isclose(cells, value, rtol=1e-6, atol=1e-9)
         if not np.any(same):
-            there = ", ".join(
-                sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells})
+            there = sorted(
+                {f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells}
             )
             raise InvalidInput(
-                f"no such {column}: {value}; the data have {there or 'no push at all'}"
+                f"no such {column}: {value}; the data have {', '.join(there) or 'no push at all'}"
             )
-        kept &= np.asarray(same, dtype=bool)
-    if select and not kept.any():
-        raise InvalidInput(
-            f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once"
-        )
-    return table[kept]
+        table = table[same]
+    return table
 
 
 def _push_set(
@@ -197,27 +190,29 @@ def _push_set(
     if ordered:
         rows = rows.sort_values("repetition", kind="stable")
     theta, dtheta, dx, dy = (rows[column].to_numpy() for column in ("theta0", *QUANTITIES))
-    if pairs is None:
-        pairs = _pairs(
-            theta, rows["theta_next"].to_numpy(), rows["repetition"] if ordered else None
-        )
+    ahead = rows["theta_next"].to_numpy()
+    known = np.isfinite(ahead)
+    if pairs is None and known.any():
+        if ordered:
+            pairs = ordered_pairs(theta, ahead, rows["repetition"].to_numpy())
+        else:
+            pairs = Theta0Pairs(theta[known], ahead[known])
     return PushSet(name, home, facts, contacts, theta, dtheta, dx, dy, pairs)
 
 
-def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) -> Theta0Pairs | None:
-    """The steps of pushes, in order where they are numbered; None without any."""
+def ordered_pairs(theta: Array, theta_next: Array, numbers: Array) -> Theta0Pairs:
+    """The pairs of pushes (n,), rad, NaN where the next θ0 is not known, in the order of their
+    numbers (n,), with the path of all of them.
+
+    Across a missing push the path takes the shorter way; it breaks where the next θ0 is not known.
+    """
     known = np.isfinite(theta_next)
-    if not known.any():
-        return None
-    if repetition is None:
-        return Theta0Pairs(theta[known], theta_next[known])
-    # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
-    numbers = repetition.to_numpy()
     turn = theta_next - theta
-    follows = known[:-1] & (np.diff(numbers) == 1.0)
-    steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
+    follows = np.diff(numbers) == 1.0
+    steps = np.where(known[:-1] & follows, turn[:-1], shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    return Theta0Pairs.along(path, turn, known, numbers)
+    moved = numbers[:-1][follows & ~known[:-1]]
+    return replace(Theta0Pairs.along(path, turn, known, numbers), moved=tuple(moved.tolist()))
 
 
 def _names(sets: list[tuple[Path, Row]]) -> list[str]:

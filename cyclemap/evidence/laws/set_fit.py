@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -306,13 +305,9 @@ def turn_histogram(
     alone = _empirical(grid, centre)
     spread = _mixture(grid, centre, noise)
     total_variation = _bin_distance(seen[::_FINER], spread[::_FINER])
-    null = np.empty(whole_number("runs", runs, least=1))
-    rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    refit = _refit(angles, law)
-    for run in range(null.size):
-        made = centre + noise * rng.standard_normal(angles.size)
-        refitted, size = refit(made)
-        null[run] = _bin_distance(_empirical(edges, made), _mixture(edges, refitted, size * noise))
+    null = _refitted_distances(
+        angles, law, edges, whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
+    )
     return TurnHistogram(
         edges=read_only(edges),
         measured=np.histogram(values, edges)[0],
@@ -326,21 +321,28 @@ def turn_histogram(
     )
 
 
-def _refit(theta: Array, law: PeriodicLaw) -> Callable[[Array], tuple[Array, float]]:
-    """What a law of the same order, fitted to values at the same orientations, makes of these (n,),
-    and the size of its scatter over that of the given law.
+def _refitted_distances(
+    theta: Array, law: PeriodicLaw, edges: Array, runs: int, seed: int
+) -> Array:
+    """The total variation (runs,) of values made by the law at these orientations from what a law
+    of the same order makes of them, fitted to each run's own, with the size of its scatter.
     """
+    rng = np.random.default_rng(seed)
+    centre = law(theta)
     noise = law.noise(theta)
     columns = fourier_columns(theta, law.harmonics)
-    free = theta.size - law.coefficients.size
-    inverse = weighted_least_squares(columns, law(theta), noise**-2)[1]
+    inverse = weighted_least_squares(columns, centre, noise**-2)[1]
     solve = inverse @ (columns / noise[:, np.newaxis] ** 2).T
-
-    def refitted(values: Array) -> tuple[Array, float]:
-        fitted = columns @ (solve @ values)
-        return fitted, float(np.sqrt(np.sum(((values - fitted) / noise) ** 2) / free))
-
-    return refitted
+    free = theta.size - law.coefficients.size
+    distances = np.empty(runs)
+    for run in range(runs):
+        made = centre + noise * rng.standard_normal(theta.size)
+        fitted = columns @ (solve @ made)
+        size = np.sqrt(np.sum(((made - fitted) / noise) ** 2) / free)
+        distances[run] = _bin_distance(
+            _empirical(edges, made), _mixture(edges, fitted, size * noise)
+        )
+    return distances
 
 
 def _empirical(grid: Array, values: Array) -> Array:

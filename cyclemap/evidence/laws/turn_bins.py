@@ -204,11 +204,8 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
 def bin_shares(theta: Array, bins: int) -> Array:
     """The shares (..., bins) of angles (..., n), rad, any turn, in equal bins over [0, 2π)."""
     cells = bin_index(theta, bins)
-    rows = cells.reshape(-1, cells.shape[-1])
-    # Bins of their own for each row, so that all are counted at once.
-    own = rows + bins * np.arange(len(rows))[:, None]
-    counts = np.bincount(own.ravel(), minlength=bins * len(rows))
-    return np.asarray(counts.reshape(*cells.shape[:-1], bins) / cells.shape[-1])
+    counts = np.apply_along_axis(np.bincount, -1, cells, minlength=bins)
+    return np.asarray(counts / cells.shape[-1])
 
 
 def bin_index(theta: Array, bins: int) -> Whole:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -34,28 +35,73 @@ _MOVING = 0.5
 
 @dataclass(frozen=True, eq=False)
 class ContactSamples:
-    """A recorded push in the frame of its contact, at the times of its n wrenches.
+    """A recorded push in the frame of its contact, at the times of its n wrenches; vectors as
+    complex numbers.
 
     Attributes
     ----------
-    pressing, tangential : ndarray, shape (n,)
-        Force of the rod on the object, N: along the normal into the object, and along the
+    push : PushRecord
+        The recording.
+    rod_radius : float
+        Of the rod, m.
+    time, tip : ndarray, shape (n,)
+        s; the rod's centre, m, in the world.
+    rod, normal : ndarray, shape (n,)
+        The rod's centre, m, and the normal into the object, in the object's frame.
+    angle : ndarray, shape (n,)
+        Of the object, rad.
+    force : ndarray, shape (n,)
+        Of the rod on the object, N: its real part along the normal, the imaginary one along the
         tangent, a quarter turn counter-clockwise from it.
     touching : ndarray of bool, shape (n,)
         Whether rod and object touch (see `contact_force_ratio`).
-    slip : ndarray, shape (n,)
-        How far the rod's surface slides over the object along the tangent, per travel of the
-        rod, over a window of samples; 0 where the rod sticks (and rolls), nan where the rod
-        does not move or the record ends.
-    window : int
-        Samples in the window.
     """
 
-    pressing: Array
-    tangential: Array
+    push: PushRecord
+    rod_radius: float
+    time: Array
+    tip: Array
+    rod: Array
+    normal: Array
+    angle: Array
+    force: Array
     touching: Mask
-    slip: Array
-    window: int
+
+    @cached_property
+    def travel(self) -> Array:
+        """How far the rod went along its stroke, (n,), m."""
+        stroke = complex(*(self.push.tip_pose[-1, 1:3] - self.push.tip_pose[0, 1:3]))
+        along = self.tip * (stroke.conjugate() / max(abs(stroke), _SHORTEST_STROKE))
+        return np.asarray(along.real)
+
+    @cached_property
+    def window(self) -> int:
+        """Samples over which rates are taken; as few as may be where the rod does not move."""
+        steps = np.diff(self.travel)
+        moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
+        usual = float(np.median(moving)) if moving.size else math.inf
+        return max(round(SLIP_WINDOW / usual) | 1, _FEWEST_IN_WINDOW)
+
+    @cached_property
+    def slip(self) -> Array:
+        """How far the rod's surface slides over the object along the tangent, per travel of the
+        rod, over a window of samples (n,): 0 where the rod sticks (and rolls), nan where the rod
+        does not move or the record ends.
+
+        The rod does not turn in the world. With q the rod's centre in the object's frame, t the
+        tangent there and omega the object's rate of turning, its surface slides over the object at
+        t . dq/dt - omega rod_radius.
+        """
+        if self.window > self.time.size or not (np.diff(self.travel) > 0.0).any():
+            return np.full(self.time.size, math.nan)
+        rod, angle, speed = (
+            _rates(self.time, values, self.window) for values in (self.rod, self.angle, self.travel)
+        )
+        # Along the tangent, a quarter turn from the normal.
+        along = (rod * self.normal.conj()).imag
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slip = (along - self.rod_radius * angle) / speed
+        return np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan)
 
 
 def contact_force_ratio(
@@ -99,8 +145,8 @@ def contact_force_ratio(
     >>> round(contact_force_ratio(PushRecord(still, tip, forces), outline), 6)
     0.1
     """
-    contact = _contact_frame(push, outline, rod_radius)
-    force = contact.force[contact.touching]
+    samples = contact_samples(push, outline, rod_radius)
+    force = samples.force[samples.touching]
     if force.size < FEWEST_SAMPLES:
         return math.nan
     return float(np.median(np.abs(force.imag) / force.real))
@@ -109,62 +155,7 @@ def contact_force_ratio(
 def contact_samples(
     push: PushRecord, outline: Array, rod_radius: float = MIT_ROD_RADIUS
 ) -> ContactSamples:
-    """Return a push in the frame of its contact; arguments as in `contact_force_ratio`.
-
-    The rod does not turn in the world. With q the rod's centre in the object's frame, t the tangent
-    there and omega the object's rate of turning, its surface slides over the object at t . dq/dt -
-    omega rod_radius.
-    """
-    contact = _contact_frame(push, outline, rod_radius)
-    stroke = complex(*(push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]))
-    along_stroke = contact.tip * (stroke.conjugate() / max(abs(stroke), _SHORTEST_STROKE))
-    travel = np.asarray(along_stroke.real)
-    steps, slip, window = np.diff(travel), np.full(travel.size, math.nan), _FEWEST_IN_WINDOW
-    moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
-    if moving.size:
-        window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
-    if moving.size and window <= travel.size:
-        rod, angle, speed = (
-            _rates(contact.time, values, window) for values in (contact.rod, contact.angle, travel)
-        )
-        # Along the tangent, a quarter turn from the normal.
-        along = (rod * contact.normal.conj()).imag
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slip = (along - rod_radius * angle) / speed
-        slip = np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan)
-    return ContactSamples(contact.force.real, contact.force.imag, contact.touching, slip, window)
-
-
-def _rates(time: Array, values: Array, window: int) -> Array:
-    """Slopes of straight lines through a window of samples about each, NaN at the ends."""
-    times, views = (sliding_window_view(series, window) for series in (time, values))
-    lever = times - np.mean(times, axis=1, keepdims=True)
-    slopes = np.sum(lever * views, axis=1) / np.sum(lever**2, axis=1)
-    rates = np.full(values.shape, math.nan, dtype=values.dtype)
-    rates[window // 2 : window // 2 + len(slopes)] = slopes
-    return rates
-
-
-@dataclass(frozen=True, eq=False)
-class _Contact:
-    """Contact at the times of n wrenches; vectors as complex numbers, in the object's frame but for
-    the tip.
-
-    force : the normal part real, along the tangent imaginary.
-    touching : see `contact_force_ratio`.
-    """
-
-    time: Array
-    tip: Array
-    rod: Array
-    normal: Array
-    angle: Array
-    force: Array
-    touching: Mask
-
-
-def _contact_frame(push: PushRecord, outline: Array, rod_radius: float) -> _Contact:
-    """The contact of rod and object, the normal pointing into the object."""
+    """Return a push in the frame of its contact; arguments as in `contact_force_ratio`."""
     time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
     tip, centre = (
         np.interp(time, pose[:, 0], pose[:, 1] + 1j * pose[:, 2])
@@ -184,7 +175,17 @@ def _contact_frame(push: PushRecord, outline: Array, rod_radius: float) -> _Cont
     inside = np.all(sides.imag > 0.0, axis=1)
     near = ~inside & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
     touching = near & (force.real >= LEAST_PRESSING)
-    return _Contact(time, tip, rod, normal, angle, force, touching)
+    return ContactSamples(push, rod_radius, time, tip, rod, normal, angle, force, touching)
+
+
+def _rates(time: Array, values: Array, window: int) -> Array:
+    """Slopes of straight lines through a window of samples about each, NaN at the ends."""
+    times, views = (sliding_window_view(series, window) for series in (time, values))
+    lever = times - np.mean(times, axis=1, keepdims=True)
+    slopes = np.sum(lever * views, axis=1) / np.sum(lever**2, axis=1)
+    rates = np.full(values.shape, math.nan, dtype=values.dtype)
+    rates[window // 2 : window // 2 + len(slopes)] = slopes
+    return rates
 
 
 def scan_forces(scan: ScanRecord) -> tuple[float, float]:
@@ -226,7 +227,8 @@ def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[
     """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the
     edge (n,) it is on.
     """
-    first, edge = polyline[:-1], np.diff(polyline, axis=0)
+    first = polyline[:-1]
+    edge = np.diff(polyline, axis=0)
     # An edge without length is a point.
     squares = np.maximum(np.sum(edge * edge, axis=-1), np.finfo(float).tiny)
     share = np.sum((points[:, None] - first) * edge, axis=-1) / squares

@@ -33,11 +33,13 @@ LARGEST_TIP_ERROR = 5e-3
 NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 # How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in
 # drags, rad.
-_MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
+_MISSED = (1.5e-3, math.radians(2.0))
+_MISSED_DRAG = math.radians(6.0)
 # How far a ruler and a phone are off, m and rad.
 READ = (1e-3, math.radians(1.0))
 # How far off its mark a rod is set by hand, m along x and y; the names of how a push was set up.
-SET_OFF, ROD_OFF = 2e-3, "rod_off_"
+SET_OFF = 2e-3
+ROD_OFF = "rod_off_"
 # No object lies as it was read to lie, rad.
 _LEAST_TURNED = 1e-4
 
@@ -62,25 +64,18 @@ class RowSelection:
         """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
         # Files spell a name as file names can.
-        names = (shape, file_stem(str(shape)))
-        if self.objects and _known(shape) and not set(names) & set(self.objects):
-            return (
-                f"of {shape}, not {self.objects[0]}"
-                if len(self.objects) == 1
-                else f"of {shape}, of unknown outline"
-            )
-        for name, wanted in self.chosen.items():
-            value = facts.get(name, math.nan)
-            if name == "object" or not _known(value):
+        if self.objects and _known(shape) and not {shape, file_stem(str(shape))} & {*self.objects}:
+            wanted = f"not {self.objects[0]}" if len(self.objects) == 1 else "of unknown outline"
+            return f"of {shape}, {wanted}"
+        for name, value in self.chosen.items():
+            own = facts.get(name, math.nan)
+            if name == "object" or not _known(own):
                 continue
-            if isinstance(wanted, str) or isinstance(value, str):
-                same = str(value) == str(wanted)
-            else:
-                same = math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
-            if not same:
-                return (
-                    f"of {name} {value if isinstance(value, str) else f'{value:g}'}, not {wanted}"
-                )
+            if isinstance(value, str) or isinstance(own, str):
+                if str(own) != str(value):
+                    return f"of {name} {own}, not {value}"
+            elif not math.isclose(own, value, rel_tol=1e-6, abs_tol=1e-9):
+                return f"of {name} {own:g}, not {value}"
         return ""
 
 
@@ -101,26 +96,25 @@ def select_pushes(
 
     tables_too : whether CSV tables count; else files of the MIT layout alone do.
     """
-    found, left_out = load_pushes(path, progress=progress), Counter[str]()
+    loaded = load_pushes(path, progress=progress)
+    left_out = Counter[str]()
     if not tables_too:
-        table, scans = (frame[~in_csv(frame["path"])] for frame in (found.table, found.scans))
-        bad = [file for file in found.unreadable if not is_csv(file.path)]
-        found = replace(found, table=table, scans=scans, unreadable=tuple(bad))
-    kept = pushes_of(found, selection, left_out)
-    return replace(kept, unreadable=found.unreadable), left_out
+        table, scans = (frame[~in_csv(frame["path"])] for frame in (loaded.table, loaded.scans))
+        bad = [file for file in loaded.unreadable if not is_csv(file.path)]
+        loaded = replace(loaded, table=table, scans=scans, unreadable=tuple(bad))
+    kept = pushes_of(loaded, selection, left_out)
+    return replace(kept, unreadable=loaded.unreadable), left_out
 
 
-def pushes_of(
-    pushes: PushTable, selection: RowSelection, left_out: Counter[str] | None = None
-) -> PushTable:
+def pushes_of(pushes: PushTable, selection: RowSelection, left_out: Counter[str]) -> PushTable:
     """Return the pushes and scans that take part, without what could not be read; how many stay
     out, by reason, is added to ``left_out``.
     """
-    both = [selected(frame, selection) for frame in (pushes.table, pushes.scans)]
-    if left_out is not None:
-        for _, reasons in both:
-            left_out.update(reasons)
-    return replace(pushes, table=both[0][0], scans=both[1][0], unreadable=())
+    (table, without), (scans, without_scans) = (
+        selected(frame, selection) for frame in (pushes.table, pushes.scans)
+    )
+    left_out.update(without + without_scans)
+    return replace(pushes, table=table, scans=scans, unreadable=())
 
 
 def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
@@ -130,11 +124,9 @@ def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
     >>> session_name("hex", 0.02)
     'hex 20 mm/s'
     """
-    return (
-        f"{plate} {otherwise}".strip()
-        if speed is None or math.isnan(speed)
-        else f"{plate} {1e3 * speed:.4g} mm/s"
-    )
+    if speed is None or math.isnan(speed):
+        return f"{plate} {otherwise}".strip()
+    return f"{plate} {1e3 * speed:.4g} mm/s"
 
 
 def told(values: Iterable[object]) -> frozenset[str]:
@@ -236,13 +228,15 @@ def measured_pushes(rows: pandas.DataFrame) -> tuple[MeasuredPush, ...]:
     line and mend.
     """
     rows = rows[~(rows["tip_error"] > LARGEST_TIP_ERROR)]
-    places, labels = rows[["side", "fraction"]].to_numpy(), np.arange(len(rows))
+    places = rows[["side", "fraction"]].to_numpy()
+    labels = np.arange(len(rows))
     if not np.isnan(places).any():
         labels = np.unique(places, axis=0, return_inverse=True)[1].ravel()
     ends = rows["theta0"] + shorter_way(rows["theta1"] - rows["theta0"])
     pushes = []
     for row, theta1, label in zip(rows.to_dict("records"), ends, labels.tolist(), strict=True):
-        start, end = Pose(row["x0"], row["y0"], row["theta0"]), Pose(row["x1"], row["y1"], theta1)
+        start = Pose(row["x0"], row["y0"], row["theta0"])
+        end = Pose(row["x1"], row["y1"], theta1)
         rod = (row["tip_x0"], row["tip_y0"]), (row["tip_x1"], row["tip_y1"])
         try:
             pushes.append(MeasuredPush(start, end, *rod, contact=label))
@@ -255,13 +249,9 @@ def told_push(push: SidePush, facts: Row, length: float) -> SidePush:
     """Return the push that a row of a table tells, and its length; what is NaN stays as in
     ``push``.
     """
-    told = {
-        "side": facts["side"],
-        "fraction": facts["fraction"],
-        "angle": facts["angle"],
-        "distance": length,
-    }
-    return replace(push, **{name: value for name, value in told.items() if not math.isnan(value)})
+    changes = {name: facts[name] for name in ("side", "fraction", "angle")} | {"distance": length}
+    known = {name: value for name, value in changes.items() if not math.isnan(value)}
+    return replace(push, **known)
 
 
 def measured_drags(rows: pandas.DataFrame) -> tuple[MeasuredDrag, ...]:
@@ -290,7 +280,8 @@ def push_noise(read: tuple[float, float]) -> Array:
     """
     place, turn = read
     along = math.hypot(place, place, _MISSED[0])
-    turned, dragged = math.hypot(turn, _MISSED[1]), math.hypot(turn, turn, _MISSED_DRAG)
+    turned = math.hypot(turn, _MISSED[1])
+    dragged = math.hypot(turn, turn, _MISSED_DRAG)
     return np.array((along, along, turned, dragged))
 
 

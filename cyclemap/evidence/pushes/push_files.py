@@ -17,8 +17,15 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.recordings import PUSH_TABLES, PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import (
+    PUSH_TABLES,
+    PushFacts,
+    PushRecord,
+    ScanFacts,
+    ScanRecord,
+    push_facts,
+    scan_facts,
+)
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row
 from cyclemap.evidence.tables.conventions import Convention
 from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES, is_record
@@ -157,7 +164,8 @@ def _hdf5_table(file: h5py.File, name: str) -> Array:
             f"{name} is of type {table.dtype} and shape {table.shape}; it must be numbers in 4 "
             "columns"
         )
-    chunk, stored = math.prod(table.chunks or (1,)), int(table.id.get_storage_size())
+    chunk = math.prod(table.chunks or (1,))
+    stored = int(table.id.get_storage_size())
     if 8 * max(table.size, chunk) > LARGEST_CONTENT or stored > LARGEST_CONTENT:
         raise InvalidInput(
             f"{name} takes more than {LARGEST_CONTENT / 1e6:.0f} MB; no push is so long: split it"

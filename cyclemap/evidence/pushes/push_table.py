@@ -41,7 +41,8 @@ if TYPE_CHECKING:
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # The share of rows that may have no pose; m, beyond which no push goes.
-_MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
+_MOST_LOST = 0.5
+_LONGEST_PUSH = 3.0
 _TWO_TURNS = 4.0 * math.pi
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 PUSH_COLUMNS = (
@@ -145,13 +146,19 @@ def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:
         limit, unit = (LARGEST_ANGLE, "deg") if turns else (LARGEST_POSITION, "mm")
         beyond = frame[~(frame[column].abs() <= limit)]
         for line, value in zip(beyond["line"], beyond[column], strict=True):
-            bound = f"{column} is {value:g}; it must be a number within {limit:g} (SI units)"
-            raise table.error(line, f"{bound}: is it in other units? Say them, --units {unit}")
+            raise table.error(
+                line,
+                f"{column} is {value:g}; it must be a number within {limit:g} (SI units): is "
+                f"it in other units? Say them, --units {unit}",
+            )
     far = np.hypot(frame["x1"] - frame["x0"], frame["y1"] - frame["y0"])
     for line, length in zip(frame["line"], far, strict=True):
         if length > _LONGEST_PUSH:
-            far_off = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
-            raise table.error(line, f"{far_off} Say so, --units mm,rad")
+            raise table.error(
+                line,
+                f"the push moves the object by {length:.4g} m: are its places in millimetres? "
+                "Say so, --units mm,rad",
+            )
 
 
 @dataclass(frozen=True)
@@ -342,7 +349,9 @@ def _loaded(
     """The pushes and scans of files, in our convention."""
     frames: list[pandas.DataFrame] = []
     pairs = dict[str, Theta0Pairs]()
-    pushes, scans, unreadable = list[Row](), list[Row](), list[UnreadableFile]()
+    pushes = list[Row]()
+    scans = list[Row]()
+    unreadable = list[UnreadableFile]()
     for index, file in enumerate(files):
         path = file.path if isinstance(file, CsvTable) else file
         try:

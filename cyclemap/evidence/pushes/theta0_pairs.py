@@ -22,21 +22,23 @@ PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
 
 # Angles of fewer rows may lie within a few degrees of each other by chance.
 # They are read as radians where they come near a turn, and, but for rounding, not beyond.
-_TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
+_TELLING = 8
+_NEARLY_A_TURN = 5.0
+_HALF_A_TURN = 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
 _CONSISTENT = math.radians(0.005)
 # Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond
 # so many are told.
-_ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
+_ENOUGH = 20
+_SMALL_GAP = 0.2
+_LARGE_GAP = 8.0
 # Turns by hand: from how near others are like them, how many of these it takes, how far off a
 # hand's is (rad), and how many there may be.
-_NEARBY, _FEWEST_NEARBY, _FAR_OFF, _LEAST_BY_HAND, _MOST_BY_HAND = (
-    math.radians(10.0),
-    4,
-    8.0,
-    math.radians(12.0),
-    0.04,
-)
+_NEARBY = math.radians(10.0)
+_FEWEST_NEARBY = 4
+_FAR_OFF = 8.0
+_LEAST_BY_HAND = math.radians(12.0)
+_MOST_BY_HAND = 0.04
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
 _NEARLY_THE_NAME = 0.85
 
@@ -97,10 +99,8 @@ class Theta0Pairs:
             raise InvalidInput(
                 "theta and theta_next hold a number that is not finite; remove those pairs"
             )
-        for name, cycle, angles in (
-            ("cycle", self.cycle, self.theta),
-            ("path_cycle", self.path_cycle, self.path),
-        ):
+        for name, angles in (("cycle", self.theta), ("path_cycle", self.path)):
+            cycle: Array | None = getattr(self, name)
             shape = None if angles is None else angles.shape
             if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
                 shapes = f"{name} has shape {cycle.shape} for angles of shape {shape}"
@@ -112,15 +112,14 @@ class Theta0Pairs:
         path: Array,
         turn: Array,
         kept: Mask,
-        number: Array,
+        cycle: Array,
         dropped: Mapping[str, int] | None = None,
     ) -> Theta0Pairs:
         """Return the pairs of pushes along a path (m,), rad, with their numbers (m,), by how far
         their cycles turned the object (n,), rad, n = m or m - 1; of those that are kept (n,).
         """
-        start = path[: turn.size][kept]
-        cycle = number[: turn.size][kept]
-        return cls(start, start + turn[kept], path, dropped or {}, cycle, number)
+        start, own = (values[: turn.size][kept] for values in (path, cycle))
+        return cls(start, start + turn[kept], path, dropped or {}, own, cycle)
 
     @property
     def turn(self) -> Array:
@@ -173,7 +172,6 @@ def read_theta0_pairs(
     *,
     angles: str | None = None,
     offset_deg: float | None = None,
-    convention: Convention | None = None,
 ) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
@@ -186,8 +184,6 @@ def read_theta0_pairs(
         data says, else counter-clockwise. Orientations alone cannot tell.
     offset_deg : float or None, optional
         What it counts them from, as in `Convention`; None: what a collection.toml says, else 0.
-    convention : Convention or None, optional
-        All of that as one.
 
     Returns
     -------
@@ -221,8 +217,7 @@ def read_theta0_pairs(
     >>> np.degrees(pairs.turn).round(6).tolist()
     [10.0, 15.0]
     """
-    known = convention or convention_of(path, angles, None, offset_deg)
-    return pairs_in_table(read_csv_table(path), known)
+    return pairs_in_table(read_csv_table(path), convention_of(path, angles, None, offset_deg))
 
 
 def pairs_in_table(table: CsvTable, convention: Convention) -> Theta0Pairs:
@@ -244,29 +239,35 @@ def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """Orientations in order; turns by hand make no pair."""
     ordered, ahead = PAIR_COLUMNS
     if ordered not in table.header:
-        layouts = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ordered} alone"
-        raise table.error(1, f"the header is {','.join(table.header)}; it must be {layouts}")
+        raise table.error(
+            1,
+            f"the header is {','.join(table.header)}; it must be "
+            f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ordered} alone",
+        )
     for name in table.header:
         if "next" in name or get_close_matches(name, (ahead,), cutoff=_NEARLY_THE_NAME):
-            beside = f"the header has {name} beside {ordered}"
-            mend = f"name it {ahead} if it is the next θ0 in degrees, or leave it out"
-            raise table.error(1, f"{beside}: {mend}")
+            raise table.error(
+                1,
+                f"the header has {name} beside {ordered}: name it {ahead} if it is the next "
+                "θ0 in degrees, or leave it out",
+            )
     theta = _orientations(table, ordered, convention)
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     turn = shorter_way(np.diff(theta))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(turn)])
-    number, kept = np.arange(float(path.size)), ~moved_by_hand(path[:-1], turn)
-    moved = tuple(number[:-1][~kept].tolist())
+    cycle = np.arange(float(path.size))
+    kept = ~moved_by_hand(path[:-1], turn)
+    moved = tuple(cycle[:-1][~kept].tolist())
     if moved:
         where = ", ".join(f"{push:.0f}" for push in moved[:6])
-        words = f"turns behind pushes {where} (from 0) are like no others"
-        doubt = f"{table.path}: {words}: taken as moved by hand, left out"
+        doubt = (
+            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as "
+            "moved by hand, left out"
+        )
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     dropped = {"moved by hand": len(moved)} if moved else {}
-    return Theta0Pairs(
-        path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
-    )
+    return replace(Theta0Pairs.along(path, turn, kept, cycle, dropped), moved=moved)
 
 
 def moved_by_hand(theta: Array, turn: Array) -> Mask:
@@ -277,7 +278,8 @@ def moved_by_hand(theta: Array, turn: Array) -> Mask:
     has no such neighbours nothing is said. Far is eight times what is usual, and 12 degrees at
     least. Where many are far, or cycles are few, none is a hand's.
     """
-    none, off = np.zeros(turn.size, dtype=bool), np.full(turn.size, np.nan)
+    none = np.zeros(turn.size, dtype=bool)
+    off = np.full(turn.size, np.nan)
     order = np.argsort(np.mod(theta, TWO_PI), kind="stable")
     places = np.mod(theta, TWO_PI)[order]
     around = np.concatenate([places - TWO_PI, places, places + TWO_PI])
@@ -306,30 +308,36 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
             continue
         degrees = table.numbers(name, blank=True)
         degrees = degrees[np.isfinite(degrees)]
-        low, high = float(degrees.min(initial=0.0)), float(degrees.max(initial=0.0))
+        low = float(degrees.min(initial=0.0))
+        high = float(degrees.max(initial=0.0))
         one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
         if degrees.size >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
-            words = f"{name} runs from {low:g} to {high:g} in {degrees.size} rows"
-            warnings.warn(f"{table.path}: {words}: are these radians?", DoubtfulInput, stacklevel=4)
+            warnings.warn(
+                f"{table.path}: {name} runs from {low:g} to {high:g} in {degrees.size} rows: "
+                "are these radians?",
+                DoubtfulInput,
+                stacklevel=4,
+            )
             return
 
 
 def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """A staircase whose columns agree; flagged rows make no pair."""
     require_columns(table, STAIRCASE_COLUMNS)
-    number, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
+    cycle, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
     # Empty where there is no next one.
     turn = table.numbers("dtheta_to_next_deg", blank=True)
     last = table.rows[-1].line
     if not np.isnan(turn[-1]):
-        cut = "the last row has a next θ0: the file is cut off"
-        raise table.error(last, f"{cut}; restore it or empty that field")
+        raise table.error(
+            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
+        )
     for index in np.flatnonzero(np.abs(shorter_way(np.deg2rad(path - wrapped))) > _CONSISTENT)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
         words = f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
         raise table.error(table.rows[index].line, words)
     off = np.abs(np.deg2rad(np.diff(path) - turn[:-1])) > _CONSISTENT
-    off_next = (np.diff(number) == 1) & off
+    off_next = (np.diff(cycle) == 1) & off
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turn[index]:g}, the next row says {path[index + 1] - path[index]:g}"
         words = f"dtheta_to_next_deg is {values}; a row is missing or cut off"
@@ -339,8 +347,9 @@ def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     if not kept.any():
         raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    theta, turned = convention.theta(np.deg2rad(path)), convention.sense * np.deg2rad(turn)
-    return Theta0Pairs.along(theta, turned, kept, number, dropped)
+    theta = convention.theta(np.deg2rad(path))
+    turned = convention.sense * np.deg2rad(turn)
+    return Theta0Pairs.along(theta, turned, kept, cycle, dropped)
 
 
 def _from_pairs(table: CsvTable, convention: Convention) -> Theta0Pairs:
@@ -353,9 +362,11 @@ def _from_pairs(table: CsvTable, convention: Convention) -> Theta0Pairs:
         return Theta0Pairs(theta, theta + turn)
     elsewhere = int(_is_large(gap).sum())
     if elsewhere:
-        words = f"{elsewhere} of {theta.size} pairs do not begin where the one before ended"
-        taken = "the rows are taken to be in order, and staircases are of the longest run without"
-        doubt = f"{table.path}: {words}: {taken} such a pair"
+        doubt = (
+            f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one "
+            "before ended: the rows are taken to be in order, and staircases are of the "
+            "longest run without such a pair"
+        )
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
     every = np.ones(turn.size, dtype=bool)

@@ -2,17 +2,19 @@
 
 Whatever reads, turns or writes a table asks here. A column has one name in code, such as theta0; in
 tables of ours also names with a unit, such as theta0_deg; elsewhere names that fit its patterns.
+`columns.toml` lists them.
 """
 
 from __future__ import annotations
 
 import math
 import re
+import tomllib
 import warnings
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import chain
+from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.errors import DoubtfulInput
@@ -65,8 +67,8 @@ class Column:
 
     name: str
     kind: Kind
-    others: Mapping[str, float] = field(default_factory=dict)
-    patterns: tuple[str, ...] = ()
+    others: Mapping[str, float]
+    patterns: tuple[str, ...]
 
     @property
     def names(self) -> dict[str, float]:
@@ -78,12 +80,6 @@ class Column:
         return any(re.fullmatch(pattern, bare_name) for pattern in self.patterns)
 
 
-_ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
-_ENDS = {
-    "0": r"(?:0|i|before(?:_push)?|start|initial|init|pre|vorher|vor|first)",
-    "1": r"(?:1|f|after(?:_push)?|end|final|post|nachher|nach|last)",
-}
-_ROD = r"(?:tip|rod|pusher|finger|tool|robot|ee|tcp)_"
 QUATERNION = ("qx", "qy", "qz", "qw")
 # The object's pose before and after a push, and the places of the rod then.
 ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
@@ -95,87 +91,34 @@ DRAG_ENDS = ("x1", "y1", "theta1", "x0n", "y0n", "theta_next")
 WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
 TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
 
-
-def _at_ends(
-    name: str, kind: Kind, what: str, owner: str = "", others: Mapping[str, float] | None = None
-) -> tuple[Column, ...]:
-    """A column before a push and one after it, `{}` in names standing for 0 and 1; patterns of what
-    it is and of whom.
-    """
-    return tuple(
-        Column(
-            name.format(end),
-            kind,
-            {other.format(end): factor for other, factor in (others or {}).items()},
-            (rf"{owner}{what}_?{words}", rf"{owner}{words}_{what}"),
-        )
-        for end, words in _ENDS.items()
-    )
-
-
-def _quaternion(name: str) -> tuple[Column, ...]:
-    """A part of a moving object's quaternion, and of those before and after a push."""
-    words = r"orientation|quat(?:ernion)?|rotation"
-    part = rf"(?:(?:(?:{words})_)?q_?{name[1]}|(?:{words})_{name[1]})"
-    return Column(name, Kind.NUMBER, {}, (part,)), *_at_ends(f"{name}{{}}", Kind.NUMBER, part)
-
-
-_NEXT = rf"(?:{_ANGLE}_(?:next|after_reset|after_drag)|next_{_ANGLE}|th0n)(?:_?0)?"
-_TIME = r"(?:header_)?(?:stamp_)?(?:t|time|secs?|seconds|zeit)|(?:header_)?stamp"
-_MOMENT = r"(?:utc|local|ros|unix|system|elapsed)_time|time_?stamp|date(?:_?time)?|zeitstempel"
-_NANOSECONDS = r"(?:header_)?(?:stamp_)?n(?:ano)?secs?"
-_REPETITION = r"rep|repetition|push(?:_(?:nr|no|number|index))?|cycle|nr|no|number|id|index"
-_LENGTH = r"push_?length|push_?distance|push"
-_GOOD = r"(?:is_?)?(?:success(?:ful)?|succeeded|ok|okay|valid|good)"
-_BAD = r"(?:is_?)?(?:fail(?:ed|ure)?|invalid|bad|outlier|excluded?|discard(?:ed)?|skip(?:ped)?)"
-# In the order in which columns of other tables are looked for; those without a pattern stand in
-# tables of ours alone.
-_ALL = (
-    *_at_ends("theta{}", Kind.ANGLE, _ANGLE, others={"th{}": 1.0, "theta{}_deg": DEGREE}),
-    Column("theta_next", Kind.ANGLE, {"th0n": 1.0, "theta_next_deg": DEGREE}, (_NEXT,)),
-    Column("theta", Kind.ANGLE, {}, (_ANGLE,)),
-    *_at_ends("x{}", Kind.PLACE, "(?:pos_?|t)?x"),
-    *_at_ends("y{}", Kind.PLACE, "(?:pos_?|t)?y"),
-    Column("x", Kind.PLACE, {}, (r"(?:pos|t)?x",)),
-    Column("y", Kind.PLACE, {}, (r"(?:pos|t)?y",)),
-    Column("z", Kind.PLACE, {}, (r"(?:pos|t)?z",)),
-    Column("t", Kind.TIME, {}, (_TIME, _MOMENT)),
-    Column("nanoseconds", Kind.NUMBER, {}, (_NANOSECONDS,)),
-    Column("episode", Kind.NUMBER, {}, (r"episode(?:_index|_id)?|trial|push_id",)),
-    Column("repetition", Kind.NUMBER, {"rep": 1.0}, (_REPETITION,)),
-    Column("length", Kind.LENGTH, {"push_mm": 1e-3}, (_LENGTH,)),
-    Column("side", Kind.NUMBER, {"i": 1.0}, ("side",)),
-    Column("fraction", Kind.NUMBER, {"s": 1.0}, ("fraction",)),
-    Column("surface", Kind.TEXT, {}, ("surface",)),
-    Column("object", Kind.TEXT, {"shape": 1.0}, ("object|shape",)),
-    *_at_ends("tip_x{}", Kind.PLACE, "x", _ROD),
-    *_at_ends("tip_y{}", Kind.PLACE, "y", _ROD),
-    *chain.from_iterable(map(_quaternion, QUATERNION)),
-    Column("good", Kind.NUMBER, {}, (_GOOD,)),
-    Column("bad", Kind.NUMBER, {}, (_BAD,)),
-    # Between collections that one table holds.
-    Column("run", Kind.TEXT, {}, (r"run(?:_(?:nr|no|number|index|id))?|session|series",)),
-    Column("angle", Kind.SLANT, {"t": 1.0}),
-    Column("acceleration", Kind.NUMBER, {"a_mm_s2": 1e-3}),
-    Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
-    Column("tip_error", Kind.LENGTH, {"tip_err_mm": 1e-3}),
-    # How far off readings are, and whether rod and object were seen in one frame.
-    Column("read_error", Kind.NUMBER, {"error_mm": 1e-3}),
-    Column("read_turn_error", Kind.NUMBER, {"error_deg": DEGREE}),
-    Column("frames_agree", Kind.NUMBER),
-    *(Column(name, Kind.NUMBER) for name in (*WRENCH_COLUMNS, *TWIST_COLUMNS)),
-    Column("source", Kind.TEXT),
-    Column("dtheta", Kind.TURN),
-    Column("force_ratio", Kind.NUMBER),
-    # After the drag back; of staircases and pairs.
-    Column("x0n", Kind.PLACE),
-    Column("y0n", Kind.PLACE),
-    Column("theta0_accum", Kind.ANGLE, {"theta0_accum_deg": DEGREE}),
-    Column("theta0_mod360", Kind.ANGLE, {"theta0_mod360_deg": DEGREE}),
-    Column("dtheta_to_next", Kind.TURN, {"dtheta_to_next_deg": DEGREE}),
-    Column("flag", Kind.TEXT),
+_TABLE = tomllib.loads(
+    (resources.files("cyclemap.evidence.tables") / "columns.toml").read_text(encoding="utf-8")
 )
-COLUMNS: Mapping[str, Column] = {column.name: column for column in _ALL}
+# Units by what else they are called.
+UNIT_WORDS: dict[str, str] = {
+    word: unit for unit, words in _TABLE["unit_words"].items() for word in words
+}
+
+
+def _columns() -> Iterator[Column]:
+    """The columns of the table, words put into their patterns."""
+    words = dict[str, str]()
+    for word, pattern in _TABLE["words"].items():
+        words[word] = pattern.format(**words)
+    for name, facts in _TABLE["columns"].items():
+        ends = _TABLE["when"] if "{end}" in name else {"": ""}
+        for end, when in ends.items():
+            known = {**words, "end": end, "when": when}
+            others = facts.get("names", {}).items()
+            yield Column(
+                name.format(**known),
+                Kind(facts.get("kind", "number")),
+                {other.format(**known): UNITS[unit] if unit else 1.0 for other, unit in others},
+                tuple(pattern.format(**known) for pattern in facts.get("patterns", ())),
+            )
+
+
+COLUMNS: Mapping[str, Column] = {column.name: column for column in _columns()}
 
 
 def our_names(header: Collection[str]) -> dict[str, str]:
@@ -229,12 +172,18 @@ def _with_numbers(table: CsvTable, names: Sequence[str], most_lost: float) -> Cs
     if not lost:
         return table
     first, name = next(iter(lost.items()))
-    row, count = table.rows[first], f"{len(lost)} of {len(table.rows)} rows"
+    row = table.rows[first]
+    count = f"{len(lost)} of {len(table.rows)} rows"
     if len(lost) >= most_lost * len(table.rows):
-        empty = f"{name} is '{table.text(row, name)}'; it must be a number"
-        raise table.error(row.line, f"{empty}, and {count} lack one")
-    words = f"{count} left out for want of a pose, the first in line {row.line}"
-    warnings.warn(f"{table.path}: {words}", DoubtfulInput, stacklevel=6)
+        raise table.error(
+            row.line,
+            f"{name} is '{table.text(row, name)}'; it must be a number, and {count} lack one",
+        )
+    warnings.warn(
+        f"{table.path}: {count} left out for want of a pose, the first in line {row.line}",
+        DoubtfulInput,
+        stacklevel=6,
+    )
     kept = (row for index, row in enumerate(table.rows) if index not in lost)
     return replace(table, rows=tuple(kept))
 

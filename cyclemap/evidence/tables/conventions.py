@@ -32,9 +32,12 @@ ANGLES: Mapping[str, tuple[float, float]] = {
     "clockwise": (-1.0, 0.0),
     "compass": (-1.0, 0.5 * math.pi),
 }
-RIGHT_HANDED, MIRRORED, SWAPPED = "right-handed", "mirrored", "swapped"
+RIGHT_HANDED = "right-handed"
+MIRRORED = "mirrored"
+SWAPPED = "swapped"
 FRAMES = (RIGHT_HANDED, MIRRORED, SWAPPED)
-KEYS = ("angles", "frame", "offset_deg")
+OFFSET = "offset_deg"
+KEYS = ("angles", "frame", OFFSET)
 # A table that was brought to our convention already ends so: what its folder says of the data is
 # done.
 AS_READ = "_as_read.csv"
@@ -83,17 +86,17 @@ class Convention:
         object.__setattr__(self, "offset", finite_number("offset of angles", self.offset))
 
     @classmethod
-    def of_keys(cls, told: Mapping[str, object]) -> Convention:
+    def of_keys(cls, given: Mapping[str, object]) -> Convention:
         """Return what keys of a file, or options, say; None says nothing. InvalidInput for an
         unknown key or word.
         """
-        for key in told:
+        for key in given:
             if key not in KEYS:
                 raise unknown_name("key of [data]", key, KEYS)
         words = {
-            name: str(told[name]) for name in ("angles", "frame") if told.get(name) is not None
+            name: str(given[name]) for name in ("angles", "frame") if given.get(name) is not None
         }
-        degrees = told.get("offset_deg")
+        degrees = given.get("offset_deg")
         return cls(
             **words,
             offset=0.0 if degrees is None else math.radians(finite_number("offset_deg", degrees)),
@@ -120,6 +123,20 @@ class Convention:
             return y, x
         return (x, -y) if self.frame == MIRRORED else (x, y)
 
+    @property
+    def said(self) -> dict[str, str]:
+        """What it says, by the keys of [data]."""
+        degrees = f"{math.degrees(self.offset) + 0.0:.6g}"
+        return dict(zip(KEYS, (self.angles, self.frame, degrees), strict=True))
+
+    def changes(self, *others: Convention) -> dict[str, str]:
+        """Return what it says otherwise than one of the others."""
+        return {
+            key: value
+            for key, value in self.said.items()
+            if any(other.said[key] != value for other in others)
+        }
+
     def options(self, instead: Convention | None = None) -> str:
         """Return the options of the command line that say it.
 
@@ -130,14 +147,8 @@ class Convention:
         >>> Convention().options(instead=Convention("clockwise"))
         '--angles counter-clockwise'
         """
-        others = (OURS, OURS if instead is None else instead)
-        options = []
-        if any(self.angles != other.angles for other in others):
-            options.append(f"--angles {self.angles}")
-        if any(self.frame != other.frame for other in others):
-            options.append(f"--frame {self.frame}")
-        if any(self.offset != other.offset for other in others):
-            options.append(f"--offset-deg {math.degrees(self.offset):.6g}")
+        changes = self.changes(OURS, OURS if instead is None else instead).items()
+        options = (f"--{key.replace('_', '-')} {value}" for key, value in changes)
         return " ".join(options) or "--angles counter-clockwise --frame right-handed"
 
     def words(self) -> str:
@@ -169,7 +180,8 @@ class Convention:
         columns = {name: rows[name].to_numpy() for name in COLUMNS if name in rows}
         ours = dict[str, Array]()
         for name, values in columns.items():
-            kind, y_name = COLUMNS[name].kind, name.replace("x", "y")
+            kind = COLUMNS[name].kind
+            y_name = name.replace("x", "y")
             if kind is Kind.ANGLE:
                 ours[name] = self.theta(values)
             elif kind is Kind.TURN:
@@ -186,7 +198,7 @@ class Convention:
 OURS = Convention()
 
 
-def as_read_name(stem: str, told: Mapping[str, object]) -> str:
+def as_read_name(stem: str, given: Mapping[str, object]) -> str:
     """Return the file name of a table brought to our convention: it says what was told of the one
     it was in.
 
@@ -195,8 +207,8 @@ def as_read_name(stem: str, told: Mapping[str, object]) -> str:
     >>> written_convention("log_clockwise_as_read.csv")[0].angles
     'clockwise'
     """
-    words = [str(told[name]) for name in ("angles", "frame") if told.get(name)]
-    words += [f"plus{told['offset_deg']}deg"] if told.get("offset_deg") else []
+    words = [str(given[name]) for name in ("angles", "frame") if given.get(name)]
+    words += [f"plus{given['offset_deg']}deg"] if given.get("offset_deg") else []
     return "_".join((stem, *words)) + AS_READ
 
 

@@ -150,13 +150,11 @@ def _are_ours(names: set[str]) -> bool:
 
 # -- what the rows of a table of ours tell
 
-PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
-    "push ends",
-    "drag-backs",
-    "wrenches",
-    "cycles",
-    "records",
-)
+PUSH_ENDS = "push ends"
+DRAG_BACKS = "drag-backs"
+WRENCHES = "wrenches"
+CYCLES = "cycles"
+RECORDS = "records"
 SORT_COLUMNS = {
     PUSH_ENDS: (*ENDS, *RODS),
     DRAG_BACKS: DRAG_ENDS,
@@ -236,5 +234,6 @@ def tells_radians_alone(path: Path) -> bool:
     """
     if not is_csv(path) or not path.is_file():
         return False
-    names, degrees = _names_in(_first_lines(path)[0]), {"theta0_deg", "theta0_accum_deg"}
+    names = _names_in(_first_lines(path)[0])
+    degrees = {"theta0_deg", "theta0_accum_deg"}
     return names >= {"x0", "y0"} and bool({"theta0", "th0"} & names) and not degrees & names

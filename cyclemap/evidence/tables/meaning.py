@@ -21,28 +21,26 @@ from cyclemap.evidence.tables.columns import (
     PLACES,
     QUATERNION,
     TIME_UNITS,
+    UNIT_WORDS,
     UNITS,
     UNITS_OF,
     Column,
     Kind,
 )
 
-UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    **dict.fromkeys(("radian", "radians"), "rad"),
-    **dict.fromkeys(("metres", "meters"), "m"),
-    **dict.fromkeys(("millimetres", "millimeters"), "mm"),
-    "seconds": "s",
-    **dict.fromkeys(("in", "inches"), "inch"),
-    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
-}
 # Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
 # metres of a table.
-_NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
+_NO_RADIANS = 7.0
+_NO_RADIANS_UNWRAPPED = 4.0 * math.pi
+_NO_METRES = 3.0
 # So many angles that fill so much of one and no more are turns as likely as radians.
-_TELLING, _MOST_OF_A_TURN = 8, 0.7
+_TELLING = 8
+_MOST_OF_A_TURN = 0.7
 # No cycle scatters by as many radians, and hardly one by as few degrees; orientations all around
 # reach over more than so many radians.
-_ROUGH, _MOST_OF_A_CIRCLE, _MANY_TURNS = 0.35, 5.6, 200.0
+_ROUGH = 0.35
+_MOST_OF_A_CIRCLE = 5.6
+_MANY_TURNS = 200.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
 # on.
 _AN_EPOCH = 1e8
@@ -119,17 +117,17 @@ def known_units(units: Sequence[str]) -> list[str]:
     return known
 
 
-def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, str]:
+def meaning_of(raw: Mapping[str, Array], given: Mapping[str, str]) -> dict[str, str]:
     """Return the column of a file for each name that is told, is the MIT dataset's alone, or is
     recognised; InvalidInput where one is wanted, or two would do.
     """
     have = ", ".join(list(raw)[:20])[:400]
-    for name, column in told.items():
+    for name, column in given.items():
         if name not in _TO_BE_TOLD:
             raise InvalidInput(f"--columns {name}=...: know {', '.join(_TO_BE_TOLD)}")
         if name not in OF_THE_FILE and column not in raw:
             raise InvalidInput(f"no column {column} for {name}; it has {have}")
-    meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
+    meaning = {name: column for name, column in given.items() if name not in OF_THE_FILE}
     for name, column in _mit_columns(raw).items():
         if column not in meaning.values():
             meaning.setdefault(name, column)
@@ -140,11 +138,12 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
         hits = [column for column in free if _fits(known, column)]
         # Of two clocks either will do.
         if len(hits) > 1 and known.kind is not Kind.TIME:
-            both = f"{' and '.join(hits)} may both be {name}"
-            raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
+            raise InvalidInput(
+                f"{' and '.join(hits)} may both be {name}: say which, --columns {name}={hits[0]}"
+            )
         if hits:
             meaning[name] = hits[0]
-    _refuse_half_told(meaning, told, have)
+    _refuse_half_told(meaning, given, have)
     return meaning
 
 
@@ -155,14 +154,14 @@ def _mit_columns(raw: Collection[str]) -> dict[str, str]:
     return {name: by_name[own] for name, own in names.items() if own in by_name}
 
 
-def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have: str) -> None:
+def _refuse_half_told(meaning: Mapping[str, str], given: Mapping[str, str], have: str) -> None:
     """Refuse columns of which another reading is possible, or some are missing."""
-    asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
+    asked = {"theta1", "theta_next"} & {*given} or "theta_next" in meaning
     if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
         after = meaning["theta1"]
-        told_by = f"Say --columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
         raise InvalidInput(
-            f"is {after} the orientation after the push, or before the next one? {told_by}"
+            f"is {after} the orientation after the push, or before the next one? Say "
+            f"--columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
         )
     for end in ("", "0", "1"):
         if 0 < len({f"{part}{end}" for part in QUATERNION} & set(meaning)) < len(QUATERNION):
@@ -170,9 +169,9 @@ def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have:
     if not {"theta0", "theta", "qw", "qw0"} & set(meaning):
         # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
         wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
-        mend = f"say which, --columns {wanted}=NAME"
         raise InvalidInput(
-            f"no column of the object's orientation before each push: {mend}; it has {have}"
+            "no column of the object's orientation before each push: say which, --columns "
+            f"{wanted}=NAME; it has {have}"
         )
 
 
@@ -182,7 +181,8 @@ def unit_of(
     """Return the unit of a column, as its factor to SI units, and how that is said. All angles, and
     all places, are guessed to be alike.
     """
-    known, column = UNITS_OF.get(COLUMNS[name].kind, {}), meaning[name]
+    known = UNITS_OF.get(COLUMNS[name].kind, {})
+    column = meaning[name]
     said = next((unit for unit in units if unit in known), None)
     if said is not None:
         return known[said], f" in {said}"
@@ -206,8 +206,10 @@ def _unit_by_name_or_size(
     if named[name] in UNITS_OF[kind]:
         return named[name], ", by its name"
     if named[name] == _PIXELS:
-        mend = "multiply its pixels by the length of one, and name it x0_mm or the like"
-        raise InvalidInput(f"{meaning[name]}: {mend}")
+        raise InvalidInput(
+            f"{meaning[name]}: multiply its pixels by the length of one, and name it x0_mm or "
+            "the like"
+        )
     of_others = {unit for unit in named.values() if unit in UNITS_OF[kind]}
     if len(of_others) == 1:
         return of_others.pop(), ", as its like"
@@ -220,7 +222,8 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
     reaches = [
         float(np.abs(values[np.isfinite(values)]).max(initial=0.0)) for values in columns.values()
     ]
-    least, most = min(reaches), max(reaches)
+    least = min(reaches)
+    most = max(reaches)
     if kind is Kind.TIME and most > _AN_EPOCH:
         # A count since 1970: its size tells the unit.
         unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
@@ -235,8 +238,7 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
         if _may_be_either(unit, most, columns):
             if len(columns) == 1:
                 reach = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
-                mend = "radians, or degrees? Say --units rad or --units deg"
-                raise InvalidInput(f"{reach}: {mend}")
+                raise InvalidInput(f"{reach}: radians, or degrees? Say --units rad or --units deg")
             # No two columns of degrees go on as smoothly.
             unit = "rad"
     else:
@@ -253,7 +255,8 @@ def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool
     if min(map(len, known)) < _TELLING:
         return False
     if unit == "rad":
-        low, high = float(known[0].min()), float(known[0].max())
+        low = float(known[0].min())
+        high = float(known[0].max())
         # Radians that are wrapped begin at 0 or at minus half a turn.
         is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
         around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE
@@ -279,7 +282,7 @@ def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
     """Refuse angles of up to 1 that fill as much of one turn as of one radian."""
     angles = values[np.isfinite(values)]
     if most <= 1.0 and angles.size >= _TELLING and float(np.ptp(angles)) > _MOST_OF_A_TURN:
-        reach = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
         raise DataFileError(
-            f"{reach}: are these turns, or radians? Say --units turn or --units rad"
+            f"{name} runs from {angles.min():.3g} to {angles.max():.3g}: are these turns, or "
+            "radians? Say --units turn or --units rad"
         )

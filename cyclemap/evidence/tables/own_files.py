@@ -32,10 +32,13 @@ from cyclemap.text_files import read_bytes, read_text
 if TYPE_CHECKING:
     import pandas
 
-EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
+EXCEL = (".xlsx", ".xlsm")
+PARQUET = (".parquet",)
+BAGS = (".bag", ".db3", ".mcap")
 JSON_LINES = (".jsonl", ".ndjson")
 # A data set of LeRobot, and a bag of ROS 2, are folders with these files.
-LEROBOT_INFO, BAG_INFO = Path("meta", "info.json"), Path("metadata.yaml")
+LEROBOT_INFO = Path("meta", "info.json")
+BAG_INFO = Path("metadata.yaml")
 # A bag's poses, in the units of ROS.
 _POSE = ("t_s", "x_m", "y_m", *QUATERNION)
 # Bytes of a spreadsheet, or of what is packed as doubles: a thousand times what they show on disk.
@@ -44,10 +47,10 @@ _LARGEST_DECODED = 2**26
 _NO_VALUES = ("mixed", "bytes", "empty")
 
 
-def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
+def raw_columns(path: Path, given: Mapping[str, str], growing: bool) -> Columns:
     """Return the columns of a file, by its own names, NaN where a field is empty.
 
-    told : of a bag its topic, of a workbook its sheet, as pose and sheet. growing : without an
+    given : of a bag its topic, of a workbook its sheet, as pose and sheet. growing : without an
         unfinished line.
     """
     with located(str(path), DataFileError):
@@ -58,11 +61,11 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
             pipe = "is a pipe or a device; give a regular file"
             raise InvalidInput(pipe if path.exists() else "there is no such file; check the path")
         if path.is_dir() or kind in BAGS:
-            return _bag(path, told.get("pose"))
+            return _bag(path, given.get("pose"))
         if kind in PARQUET:
             return _parquet([path])
         if kind in EXCEL:
-            return _excel(path, told.get("sheet"))
+            return _excel(path, given.get("sheet"))
         text = _text(path)
         text = text[: text.rfind("\n") + 1] if growing else text
         return _json(path, text) if kind in (".json", *JSON_LINES) else text_columns(text)
@@ -114,7 +117,7 @@ def _check_size(numbers: int) -> None:
     require_room(what, numbers, "split it", _LARGEST_DECODED // 8)
 
 
-def _excel(path: Path, told: str | None) -> Columns:
+def _excel(path: Path, given: str | None) -> Columns:
     """The sheet of a workbook that is told, else the one that has a table of numbers."""
     import pandas
 
@@ -126,15 +129,17 @@ def _excel(path: Path, told: str | None) -> Columns:
     sheets = {
         str(name): cells.fillna("").astype(str).values.tolist() for name, cells in read.items()
     }
-    if told is None:
+    if given is None:
         tables = [name for name, cells in sheets.items() if is_table(cells)]
         if len(tables) > 1:
-            mend = f"say which, --columns sheet={tables[0]}"
-            raise InvalidInput(f"has numbers in the sheets {', '.join(tables)}: {mend}")
-        told = (tables or [*sheets])[0]
-    if told not in sheets:
-        raise InvalidInput(f"no sheet {told}; it has {', '.join(sheets)}")
-    return cell_columns(sheets[told])
+            raise InvalidInput(
+                f"has numbers in the sheets {', '.join(tables)}: say which, --columns "
+                f"sheet={tables[0]}"
+            )
+        given = (tables or [*sheets])[0]
+    if given not in sheets:
+        raise InvalidInput(f"no sheet {given}; it has {', '.join(sheets)}")
+    return cell_columns(sheets[given])
 
 
 # -- JSON
@@ -152,8 +157,10 @@ def _json(path: Path, text: str) -> Columns:
         whole = None
     rows = _json_lines(path, text) if whole is None else _json_rows(whole)
     if len(rows) < 2:
-        mend = 'give [{"theta0_deg": 12.5, ...}, ...], {"theta0_deg": [12.5, ...], ...}'
-        raise InvalidInput(f"{len(rows)} rows; more are wanted: {mend}, or a row a line")
+        raise InvalidInput(
+            f'{len(rows)} rows; more are wanted: give [{{"theta0_deg": 12.5, ...}}, ...], '
+            '{"theta0_deg": [12.5, ...], ...}, or a row a line'
+        )
     flat = []
     for row in rows:
         values: dict[str, object] = {}
@@ -169,7 +176,8 @@ def _json_rows(whole: object) -> list[object]:
         return whole if all(isinstance(row, dict) for row in whole) else []
     if not isinstance(whole, dict):
         return []
-    names, data = whole.get("columns"), whole.get("data")
+    names = whole.get("columns")
+    data = whole.get("data")
     if isinstance(names, list) and isinstance(data, list):
         if not all(isinstance(row, list) for row in data):
             return []
@@ -325,18 +333,19 @@ def _pose(message: Any) -> tuple[float, ...]:
     return place.x, place.y, turn.x, turn.y, turn.z, turn.w
 
 
-def _topic(told: str | None, connections: Sequence[Any]) -> str:
+def _topic(given: str | None, connections: Sequence[Any]) -> str:
     """The topic that is told, else the one that has poses."""
     every = sorted({known.topic for known in connections})
     with_poses = {
         known.topic for known in connections if re.search(r"Pose|Odometry|Transform", known.msgtype)
     }
     topics = sorted(with_poses)
-    wanted = told or (topics[0] if len(topics) == 1 else None)
+    wanted = given or (topics[0] if len(topics) == 1 else None)
     if wanted not in topics:
         have = ", ".join(topics) or f"none among {', '.join(every) or 'none'}"
-        mend = "give the topic of the object's pose, --columns pose=TOPIC"
-        raise InvalidInput(f"{mend}; with poses: {have}")
+        raise InvalidInput(
+            f"give the topic of the object's pose, --columns pose=TOPIC; with poses: {have}"
+        )
     return str(wanted)
 
 

@@ -25,10 +25,12 @@ _POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS)
 # So many orientations tell whether they begin anew each half a turn.
 _MANY_OF_HALVES = 20
 # So many rows a push are many; of a stream, places bend by less than this share of their spread.
-_MANY_ROWS, _SMOOTH = 200, 0.05
+_MANY_ROWS = 200
+_SMOOTH = 0.05
 # Seconds from row to row: up to this many rows follow a moving object, beyond the other a row is a
 # push of its own.
-_STREAM_STEP, _A_CYCLE = 0.4, 3.0
+_STREAM_STEP = 0.4
+_A_CYCLE = 3.0
 # Fewer rows than this may follow each other as they like.
 _TELLING = 8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
@@ -134,9 +136,10 @@ def _refuse_a_stream(rows: pandas.DataFrame, theta0_column: str) -> None:
         return
     step = float(np.median(np.abs(np.diff(rows["t"]))))
     if 0.0 < step <= _STREAM_STEP:
-        line = f"{step:.2g} s from row to row, so that many rows follow one push"
-        mend = f"say --columns theta={theta0_column} in place of theta0, or leave the times out"
-        raise InvalidInput(f"{line}: {mend}")
+        raise InvalidInput(
+            f"{step:.2g} s from row to row, so that many rows follow one push: say --columns "
+            f"theta={theta0_column} in place of theta0, or leave the times out"
+        )
 
 
 def _refuse_a_stream_without_times(rows: pandas.DataFrame) -> None:
@@ -148,8 +151,10 @@ def _refuse_a_stream_without_times(rows: pandas.DataFrame) -> None:
     x, y, theta = rows[["x", "y", "theta"]].dropna().to_numpy().T
     if x.size < _MANY_ROWS:
         return
-    place, way = x + 1j * y, np.exp(1j * theta)
-    spread, turned = float(np.std(place)), math.inf
+    place = x + 1j * y
+    way = np.exp(1j * theta)
+    spread = float(np.std(place))
+    turned = math.inf
     for turn in (way, way.conj()):
         unknown = np.stack([turn, np.ones(turn.size)], axis=-1)
         ring, *_ = np.linalg.lstsq(unknown, place, rcond=None)
@@ -166,8 +171,10 @@ def refuse_several(rows: pandas.DataFrame) -> None:
     for name in ("surface", "object"):
         listed = sorted({str(value) for value in rows.get(name, ())})
         if len(listed) > 1:
-            several = f"orientations on several {name}s, {', '.join(listed)[:80]}"
-            raise InvalidInput(f"{several}: split them, a table each")
+            raise InvalidInput(
+                f"orientations on several {name}s, {', '.join(listed)[:80]}: split them, a "
+                "table each"
+            )
 
 
 def refuse_half_turns(theta: Array) -> None:
@@ -218,22 +225,17 @@ def _episodes(stream: pandas.DataFrame) -> pandas.DataFrame:
     import pandas
 
     stream = stream.dropna(subset="episode")
-    episode = stream["episode"]
-    runs = (episode.diff() != 0.0).cumsum()
+    runs = (stream["episode"].diff() != 0.0).cumsum()
     stream = stream[runs.groupby(runs).transform("size") > 1]
     if stream.empty:
         raise InvalidInput("no push in it: no episode has two rows")
-    ends = list[dict[str, float]]()
-    for _, own in stream.groupby(runs):
-        # An episode that is missing is a gap.
-        row = {"repetition": own["episode"].iloc[0]}
-        own = own.assign(theta=np.unwrap(own["theta"]))
-        for end, place in (("0", 0), ("1", -1)):
-            row |= {
-                f"{name}{end}": own[name].iloc[place] for name in _known(own, "theta", "x", "y")
-            }
-        ends.append(row)
-    return pandas.DataFrame(ends)
+    unwrapped = stream.groupby(runs)["theta"].transform(np.unwrap)
+    episodes = stream.assign(theta=unwrapped).groupby(runs)
+    poses = episodes[_known(stream, "theta", "x", "y")]
+    # An episode that is missing is a gap.
+    columns = [episodes["episode"].first().rename("repetition")]
+    columns += [poses.first().add_suffix("0"), poses.last().add_suffix("1")]
+    return pandas.concat(columns, axis="columns").reset_index(drop=True)
 
 
 # -- in which order
@@ -243,7 +245,8 @@ def in_order(table: OwnTable) -> OwnTable:
     """Return the rows in the order of their numbers, else of their times, collection by
     collection.
     """
-    rows, labels = table.rows, _collections(table.rows)
+    rows = table.rows
+    labels = _collections(table.rows)
     for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
         if name not in rows:
             continue
@@ -264,8 +267,10 @@ def in_order(table: OwnTable) -> OwnTable:
             if 2 * follows.sum() > follows.size:
                 counted = np.cumsum(np.append(0.0, np.where(follows, 1.0, 2.0)))
                 rows = rows.assign(repetition=counted)
-            doubt = f"{what} of pushes are missing or there twice"
-            return table.then(rows, f"{doubt}: rows are taken in their own order")
+            return table.then(
+                rows,
+                f"{what} of pushes are missing or there twice: rows are taken in their own order",
+            )
     return table
 
 
@@ -291,8 +296,10 @@ def with_what_follows(table: OwnTable) -> OwnTable:
     """Return the rows with an orientation, and with it the next one's where that follows; what was
     left out is told.
     """
-    rows, is_posed = table.rows.copy(), {*table.rows} >= {*ENDS}
-    theta, words = rows["theta0"].to_numpy(), list[str]()
+    rows = table.rows.copy()
+    is_posed = {*table.rows} >= {*ENDS}
+    theta = rows["theta0"].to_numpy()
+    words = list[str]()
     number = np.arange(float(len(rows)))
     if "repetition" in rows:
         number = rows["repetition"].to_numpy()
@@ -343,7 +350,8 @@ def _how_set(theta: Array, theta_next: Array) -> str | None:
     where none follows.
     """
     pairs = np.isfinite(theta) & np.isfinite(theta_next)
-    later, turn = theta_next[pairs], (theta_next - theta)[pairs]
+    later = theta_next[pairs]
+    turn = (theta_next - theta)[pairs]
     if turn.size > 2 and float(np.ptp(turn)) < _EVENLY:
         return "are evenly spaced: taken as set one by one"
     # Where a reset makes them they gather somewhere, or turns have a mean.

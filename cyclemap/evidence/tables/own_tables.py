@@ -115,7 +115,7 @@ def read_orientations(
 
 def _pushes(
     place: Path,
-    told: Mapping[str, str],
+    given: Mapping[str, str],
     units: Sequence[str],
     convention: Convention,
     growing: bool = False,
@@ -127,9 +127,9 @@ def _pushes(
             f"{place}: read once it is whole, without --follow: only a CSV file is read while it "
             "grows"
         )
-    raw = raw_columns(place, told, growing)
+    raw = raw_columns(place, given, growing)
     with located(str(place), DataFileError):
-        meaning = meaning_of(raw, told)
+        meaning = meaning_of(raw, given)
         if growing and "theta0" not in meaning and {"t", "episode", "qw"} & {*meaning}:
             raise InvalidInput(
                 "a stream of poses is cut into pushes once it is whole: without --follow"
@@ -138,7 +138,7 @@ def _pushes(
         begin = f"{place.name}: {len(rows)} rows"
         rows, left_out = _counting(rows)
         rows, turned = _with_headings(rows)
-        is_guessed = len(meaning) > len(told) or not units
+        is_guessed = len(meaning) > len(given) or not units
         said = (begin, *words, *left_out, *turned)
         table = OwnTable(convention.rows(rows), said, is_guessed)
         table = as_pushes(place, table, "t" in guessed, meaning.get("theta0", "NAME"))
@@ -155,9 +155,12 @@ def _in_si_units(
     import pandas
 
     raw, words = _without_stand_ins(raw, meaning)
-    columns, guessed = dict[str, Any](), set[str]()
+    columns = dict[str, Any]()
+    guessed = set[str]()
     for name, column in meaning.items():
-        values, kind, said = raw[column], COLUMNS[name].kind, ""
+        values = raw[column]
+        kind = COLUMNS[name].kind
+        said = ""
         if kind is Kind.TEXT:
             columns[name] = (
                 values if values.dtype.kind == "O" else [f"{own:.15g}" for own in values]
@@ -203,7 +206,8 @@ def _refuse_tilts(upright: str, raw: Columns, factor: float) -> None:
 
 def _without_stand_ins(raw: Columns, meaning: Mapping[str, str]) -> tuple[Columns, list[str]]:
     """The columns of a file, NaN where a pose has what stands for no number, and what is said."""
-    cleaned, words = dict(raw), list[str]()
+    cleaned = dict(raw)
+    words = list[str]()
     for name, column in meaning.items():
         if COLUMNS[name].kind in (Kind.ANGLE, Kind.PLACE):
             none = np.isin(raw[column], _NO_NUMBERS)
@@ -215,7 +219,8 @@ def _without_stand_ins(raw: Columns, meaning: Mapping[str, str]) -> tuple[Column
 
 def _counting(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
     """The rows that count where a column tells that some do not, and what is said of it."""
-    kept, words = np.ones(len(rows), dtype=bool), list[str]()
+    kept = np.ones(len(rows), dtype=bool)
+    words = list[str]()
     for name, counts in _FLAGS.items():
         if name not in rows:
             continue
@@ -230,8 +235,9 @@ def _counting(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
     if not {"repetition", "t", "episode"} & {*rows}:
         # What was left out is a gap.
         rows["repetition"] = np.arange(len(rows), dtype=float)
-    lost = f"{len(rows) - kept.sum()} of {len(rows)} rows"
-    words.append(f"left out, for the table says they failed: {lost}")
+    words.append(
+        f"left out, for the table says they failed: {len(rows) - kept.sum()} of {len(rows)} rows"
+    )
     return rows[kept].reset_index(drop=True), words
 
 
@@ -240,11 +246,11 @@ def _with_headings(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]
     words = list[str]()
     height = rows.pop("z") if "z" in rows else None
     for end in ("", "0", "1"):
-        parts = [f"{part}{end}" for part in QUATERNION]
-        if not {*parts} <= {*rows}:
+        names = [f"{name}{end}" for name in QUATERNION]
+        if not {*names} <= {*rows}:
             continue
-        heading, is_y_up = _heading(rows[parts].to_numpy())
-        rows = rows.drop(columns=parts).assign(**{f"theta{end}": heading})
+        heading, is_y_up = _heading(rows[names].to_numpy())
+        rows = rows.drop(columns=names).assign(**{f"theta{end}": heading})
         if is_y_up:
             if end or height is None or "y" not in rows:
                 raise InvalidInput("turns about y, which is up: give x, y, z with z up")
@@ -265,7 +271,8 @@ def _heading(quaternions: Array) -> tuple[Array, bool]:
     if known.any():
         y_up, z_up = np.quantile(cosines, 0.1, axis=0) > _UPRIGHT
     else:
-        y_up, z_up = True, True
+        y_up = True
+        z_up = True
     if z_up:
         return np.arctan2(turns[:, 1, 0], turns[:, 0, 0]), False
     if y_up:

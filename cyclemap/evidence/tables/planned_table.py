@@ -155,12 +155,13 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         )
     swapped = [row for row in filled if row.lies_half_turned]
     if swapped:
-        lay = (
+        warnings.warn(
             f"{swapped[0].name}: the object lay half a turn from set_theta_deg, as in "
-            f"{len(swapped)} of {len(filled)} pushes"
+            f"{len(swapped)} of {len(filled)} pushes: if marks a and b were swapped, swap "
+            "their columns before, after and after the drag",
+            DoubtfulInput,
+            stacklevel=2,
         )
-        mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
-        warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
     names = ["object", "rep", *ENDS, *RODS, *DRAG_ENDS[3:], *ERRORS]
     import pandas
 
@@ -251,8 +252,9 @@ class _Row:
         apart, measured = (complex(*(ends[1] - ends[0])) for ends in (marks, seen))
         if abs(abs(measured) - abs(apart)) > allowed:
             words = f"{_WHEN[state]} marks a and b are {abs(measured):.1f} mm apart, on the object"
-            mend = "measure them again, or leave the row empty"
-            raise self.error(f"{words} {abs(apart):.1f} mm: {mend}")
+            raise self.error(
+                f"{words} {abs(apart):.1f} mm: measure them again, or leave the row empty"
+            )
         turned = cmath.phase(measured) - cmath.phase(apart)
         middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
         place = 1e-3 * (seen.mean(axis=0) - middle)
@@ -263,8 +265,9 @@ class _Row:
         values = self.numbers(names)
         empty = [name for name, value in zip(names, values, strict=True) if math.isnan(value)]
         if 0 < len(empty) < len(names):
-            mend = f"fill in {', '.join(names)}, or none"
-            raise self.error(f"{_WHEN[state]} {empty[0]} is no number; {mend}")
+            raise self.error(
+                f"{_WHEN[state]} {empty[0]} is no number; fill in {', '.join(names)}, or none"
+            )
         return values
 
     @property

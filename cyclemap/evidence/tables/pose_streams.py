@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from numpy.typing import NDArray
+from scipy.ndimage import binary_propagation, uniform_filter1d
 
 from cyclemap.arrays import Array, Mask, Whole, stretches
 from cyclemap.errors import DataFileError
@@ -31,28 +32,43 @@ if TYPE_CHECKING:
 _WINDOWS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 # How far means before and after a moment lie apart where a motion is seen, and where it ends: in
 # standard deviations of noise, and as shares of what the faster motions show.
-_SEEN, _ENDED, _SEEN_SHARE, _ENDED_SHARE = 4.0, 2.4, 0.3, 0.1
+_SEEN = 4.0
+_ENDED = 2.4
+_SEEN_SHARE = 0.3
+_ENDED_SHARE = 0.1
 # Noise that nobody has (m), turns as lengths (m per rad), and how much faster than noise motions
 # have to be.
-_LEAST_NOISE, _LEVER, _CLEAR = 2e-5, 0.03, 2.0
+_LEAST_NOISE = 2e-5
+_LEVER = 0.03
+_CLEAR = 2.0
 # What moves less (m, with turns by the lever) between two rests has not moved.
 _LEAST_MOTION = 6e-3
 # Rests are averaged over so many seconds, and that share of their length, before and after their
 # middle.
-_AVERAGED, _MIDDLE = 1.0, 0.3
+_AVERAGED = 1.0
+_MIDDLE = 0.3
 # The ring's places agree within so many standard deviations of a rest, or that far (m).
-_AGREE, _AGREE_LEAST = 5.0, 2e-3
+_AGREE = 5.0
+_AGREE_LEAST = 2e-3
+# Pairs of rests of which a ring is tried, and how many rests it takes.
+_TRIES = 400
+_FEWEST_RESTS = 5
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
 # out.
-_FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+_FEWEST_HOME = 0.3
+_MOST_UNCLEAR = 0.2
 # Of rings those explain nearly as many rests as the best that explain this share of them.
 _NEARLY = 0.85
 # Where more rests than this share have the ring at one place, none tells it; then those are home
 # that lie near the first, as a share of how far the others are.
-_ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
+_ALL_HOME = 0.8
+_NEAR_THE_FIRST = 0.3
 # Pushes, or drags, whose motion is further from the median of its kind than this share of it are of
 # neither kind.
 _ALIKE = 0.35
+
+
+Rests = int | NDArray[np.intp]
 
 
 class UnclearStream(DataFileError):
@@ -107,8 +123,10 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
     import pandas
 
     if not {"x", "y"} <= {*stream}:
-        mend = "give its places, or a column episode (1, 2, ... during each push, empty else)"
-        raise DataFileError(f"{path}: which motions push cannot be told of an angle alone: {mend}")
+        raise DataFileError(
+            f"{path}: which motions push cannot be told of an angle alone: give its places, "
+            "or a column episode (1, 2, ... during each push, empty else)"
+        )
     t, x, y, theta = stream[["t", "x", "y", "theta"]].to_numpy().T
     theta = np.unwrap(theta)
     course = np.array([x, y, theta])
@@ -119,7 +137,8 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
     counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
     cycles = _cycles(poses, noise / np.sqrt(counts))
     seen = Segments(t, x, y, theta, rests, *cycles)
-    pushes, unclear = len(seen.pushes), len(seen.unclear)
+    pushes = len(seen.pushes)
+    unclear = len(seen.unclear)
     if pushes < 2 or unclear > _MOST_UNCLEAR * (pushes + unclear):
         raise UnclearStream(f"{path}: {_unclear_words(seen)}", seen)
     ends = np.hstack([poses[seen.pushes[:, 0]], poses[seen.pushes[:, 1]]])
@@ -129,14 +148,14 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
 
 def _unclear_words(seen: Segments) -> str:
     """What was seen of a stream that does not come apart, and what mends it."""
-    begins, ends = seen.t[seen.rests[:, 0]], seen.t[seen.rests[:, 1]]
+    begins = seen.t[seen.rests[:, 0]]
+    ends = seen.t[seen.rests[:, 1]]
     listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in seen.unclear[:3])
-    counts = (
+    return (
         f"{len(seen.rests) - 1} motions between rests, {len(seen.pushes)} of them pushes and "
-        f"{len(seen.unclear)} stretches unclear"
+        f"{len(seen.unclear)} stretches unclear{f' ({listed})' if listed else ''}: give a "
+        "column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
     )
-    mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
-    return f"{counts}{f' ({listed})' if listed else ''}: {mend}"
 
 
 def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
@@ -165,12 +184,13 @@ def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
         if moves > _CLEAR * seen:
             break
     else:
-        hidden = f"its noise of {1e3 * noise:.2g} mm hides its motions"
         raise DataFileError(
-            f"{path}: {hidden}: give poses before and after each push, or smoother ones"
+            f"{path}: its noise of {1e3 * noise:.2g} mm hides its motions: give poses "
+            "before and after each push, or smoother ones"
         )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
-    moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
+    high = max(seen, low, _SEEN_SHARE * moves)
+    moving = binary_propagation(change > high, mask=change > low)
     return _joined(stretches(~moving), t, course), noise
 
 
@@ -186,21 +206,12 @@ def _noise(courses: Array) -> float:
 
 def _change(courses: Array, half: int) -> Array:
     """How far the mean after each sample lies from the mean before it, (n,), m."""
-    means = uniform_filter1d(courses, half, axis=1, mode="nearest")
-    # A filter of this length is centred: its mean before a sample ends there.
-    ahead = np.roll(means, -(half - half // 2), axis=1)
-    ahead[:, -half:] = means[:, -1:]
-    behind = np.roll(means, half // 2 + 1, axis=1)
-    behind[:, : half + 1] = means[:, :1]
-    return np.asarray(np.sqrt(((ahead - behind) ** 2).sum(axis=0)))
-
-
-def _hysteresis(change: Array, high: float, low: float) -> Mask:
-    """Where a stretch above `low` is above `high` somewhere."""
-    moving = np.zeros(change.size, dtype=bool)
-    for first, end in stretches(change > low):
-        moving[first:end] = bool((change[first:end] > high).any())
-    return moving
+    # Of the window about a sample these ends lie on it.
+    behind, ahead = (
+        uniform_filter1d(courses, half, axis=1, mode="nearest", origin=origin)
+        for origin in ((half - 1) // 2, -(half // 2))
+    )
+    return np.asarray(np.linalg.norm(ahead - behind, axis=0))
 
 
 def _joined(rests: Sequence[tuple[int, int]], t: Array, course: Array) -> Whole:
@@ -228,46 +239,42 @@ def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
     """Pushes as pairs of rests, their numbers, unclear stretches likewise, and what was seen, in
     words.
     """
-    home, sense = _home(poses, errors)
-    if home is None:
-        return _in_turn(poses)
-    where = [*np.flatnonzero(home).tolist(), *([] if home[-1] else [len(poses) - 1])]
+    home, sense, how = _home(poses, errors)
+    where = np.union1d(np.flatnonzero(home), len(poses) - 1).tolist()
     spans = list(pairwise(where))
-    closed = [(first, last) for first, last in spans if last == first + 2 and home[last]]
+    closed = [first for first, last in spans if last == first + 2 and home[last]]
     if not closed:
-        return _pairs([]), np.zeros(0), _pairs(spans), "no push is clear"
-    clean = np.array([_motion(poses, first, first + 1, sense) for first, _ in closed])
-    backs = np.array([_motion(poses, first + 1, last, sense) for first, last in closed])
-    usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
-    limit, limit_back = _spread(clean), _spread(backs)
-    pushes, numbers, paused = [], [], 0
+        return _pairs([]), np.zeros(0), _pairs([(0, len(poses) - 1)]), "no push is clear"
+    begins = np.array(closed)
+    clean = _motion(poses, begins, begins + 1, sense)
+    backs = _motion(poses, begins + 1, begins + 2, sense)
+    usual = np.median(clean, axis=0)
+    back = np.median(backs, axis=0)
+    limit = _spread(clean)
+    limit_back = _spread(backs)
+    pushes = []
+    cycles = []
+    paused = 0
     # What comes before the first push is a push's end at most.
     unclear = [(0, where[0])] if where[0] > 1 else []
     # What is unclear is a number left out, so that nothing is taken to follow across it.
-    for number, (first, last) in enumerate(spans):
+    for cycle, (first, last) in enumerate(spans):
         is_open = not home[last]
-        ends = range(first + 1, last + is_open)
-        away = {end: _apart(_motion(poses, first, end, sense), usual) for end in ends}
-        end = min(away, key=lambda rest: away[rest], default=first)
+        ends = np.arange(first + 1, last + is_open)
+        away = np.linalg.norm(_motion(poses, first, ends, sense) - usual, axis=-1)
+        end = int(ends[np.argmin(away)]) if ends.size else first
         # Two cycles with an unseen rest between them begin with a push, too.
-        closes = is_open or _apart(_motion(poses, end, last, sense), back) <= limit_back
-        if away and away[end] <= limit and closes:
+        off_back = np.linalg.norm(_motion(poses, end, last, sense) - back)
+        if away.min(initial=math.inf) <= limit and (is_open or off_back <= limit_back):
             pushes.append((first, end))
-            numbers.append(number)
+            cycles.append(cycle)
             paused += last - first > 2
         elif not is_open:
             unclear.append((first, last))
-    words = (
-        f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the "
-        "ring is at the target"
-    )
+    words = f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, {how}"
     words += f", {paused} of them or of their drags with a pause" if paused else ""
     words += f"; left out, as neither push nor drag: {len(unclear)} stretches" if unclear else ""
-    return _pairs(pushes), np.array(numbers), _pairs(unclear), words
-
-
-def _apart(motion: Array, other: Array) -> float:
-    return float(np.linalg.norm(motion - other))
+    return _pairs(pushes), np.array(cycles), _pairs(unclear), words
 
 
 def _spread(motions: Array) -> float:
@@ -279,36 +286,39 @@ def _spread(motions: Array) -> float:
     return max(_ALIKE * float(np.linalg.norm(middle)), 2.0 * float(np.quantile(off, 0.8)))
 
 
-def _motion(poses: Array, first: int, last: int, sense: float = 1.0) -> Array:
-    """A motion between two rests in the object's frame at its begin: dx, dy (m), turn by the lever
-    (m).
+def _motion(poses: Array, first: Rests, last: Rests, sense: float = 1.0) -> Array:
+    """Motions (..., 3) from one rest to another in the object's frame at their begin: dx, dy (m),
+    turn by the lever (m).
 
     sense : -1 where angles grow from y to x of the places.
     """
-    dx, dy, turn = poses[last] - poses[first]
-    c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])
-    return np.array([c * dx + s * dy, c * dy - s * dx, _LEVER * turn])
+    dx, dy, turn = (poses[last] - poses[first]).T
+    c = np.cos(poses[first, 2])
+    s = sense * np.sin(poses[first, 2])
+    return np.stack([c * dx + s * dy, c * dy - s * dx, _LEVER * turn], axis=-1)
 
 
-def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
-    """Which rests have the ring at the target, and the sense of angles in which they have.
+def _home(poses: Array, errors: Array) -> tuple[Mask, float, str]:
+    """Which rests are before a push, the sense of angles in which that is so, and how it is known:
+    they have the ring at the target.
 
-    None where no place of the object is again and again at one place of the world.
+    Where no place of the object is again and again at one place of the world, motions may come in
+    two kinds in turn.
 
     The ring h and the target c solve p + R(theta) h = c; two rests tell them, and those that most
     agree with are taken. Ends of pushes that are all alike agree with a ring of their own, but one
     farther from the object's centre.
     """
-    if len(poses) < 5:
-        return None, 1.0
-    generator, limit = np.random.default_rng(0), np.maximum(_AGREE * errors, _AGREE_LEAST)
+    generator = np.random.default_rng(0)
+    limit = np.maximum(_AGREE * errors, _AGREE_LEAST)
     rings = [
         (int(agree.sum()), round(radius, 3), agree, sense)
         for sense in (1.0, -1.0)
         for agree, radius in _rings(poses, limit, sense, generator)
     ]
     if not rings:
-        return None, 1.0
+        how = "of two kinds in turn: the first motion and every other one"
+        return _in_turn(poses), 1.0, how
     most = max(count for count, *_ in rings)
     # Of those that explain nearly as many the ring nearest to the centre.
     near = [entry for entry in rings if entry[0] >= _NEARLY * most]
@@ -316,17 +326,18 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
     if home.mean() > _ALL_HOME:
         # Locked in: from two poses again and again no ring can be told, and the first one is taken
         # as a push's begin.
-        return _like_the_first(poses), sense
-    return home, sense
+        home = _like_the_first(poses)
+    return home, sense, "each from where the ring is at the target"
 
 
 def _rings(
     poses: Array, limit: Array, sense: float, generator: np.random.Generator
 ) -> Iterator[tuple[Mask, float]]:
     """Which rests agree with a ring that two of them tell, and how far it is from the centre, m."""
-    place, way = poses[:, 0] + 1j * poses[:, 1], np.exp(1j * sense * poses[:, 2])
+    place = poses[:, 0] + 1j * poses[:, 1]
+    way = np.exp(1j * sense * poses[:, 2])
     rows = np.stack([way, np.full(len(poses), -1.0)], axis=-1)
-    for _ in range(400):
+    for _ in range(_TRIES if len(poses) >= _FEWEST_RESTS else 0):
         chosen = generator.choice(len(poses), 2, replace=False)
         solved, *_ = np.linalg.lstsq(rows[chosen], -place[chosen], rcond=None)
         agree = np.abs(rows @ solved + place) < limit
@@ -346,23 +357,14 @@ def _like_the_first(poses: Array) -> Mask:
     return np.asarray(off < _NEAR_THE_FIRST * np.median(off[off > 0.5 * off.max()]))
 
 
-def _in_turn(poses: Array) -> tuple[Whole, Array, Whole, str]:
-    """Every other motion a push, where the two kinds separate; else none."""
-    motions = np.array([_motion(poses, rest, rest + 1) for rest in range(len(poses) - 1)])
-    if len(motions) < 2:
-        return _pairs([]), np.zeros(0), _pairs([]), "one motion"
-    kinds = motions[::2], motions[1::2]
+def _in_turn(poses: Array) -> Mask:
+    """Every other rest, where motions from these and to these separate; else none."""
+    rests = np.arange(len(poses))
+    motions = _motion(poses, rests[:-1], rests[1:])
+    kinds = [kind for kind in (motions[::2], motions[1::2]) if len(kind)]
     medians = [np.median(kind, axis=0) for kind in kinds]
-    off = [
-        float(np.linalg.norm(kind - middle, axis=1).max())
-        for kind, middle in zip(kinds, medians, strict=True)
-    ]
-    if max(off) > 0.5 * _apart(*medians):
-        whole = _pairs([(0, len(poses) - 1)])
-        return _pairs([]), np.zeros(0), whole, "motions do not come in two kinds"
-    first = np.arange(0, len(motions), 2)
-    words = (
-        f"{len(motions)} motions between rests, of two kinds in turn: the first and every "
-        "other one a push"
-    )
-    return np.stack([first, first + 1], axis=-1), np.arange(float(first.size)), _pairs([]), words
+    pairs = zip(kinds, medians, strict=True)
+    off = [np.linalg.norm(kind - middle, axis=1).max() for kind, middle in pairs]
+    apart = np.linalg.norm(medians[0] - medians[-1])
+    are_apart = len(kinds) == 2 and max(off) <= 0.5 * apart
+    return np.asarray((rests % 2 == 0) & are_apart)

@@ -34,7 +34,9 @@ _FLAGS = {
 }
 # Names stand within so many rows, of which so many may hold numbers; a sheet with fewer rows of
 # numbers is no table.
-_LONGEST_HEADER, _NUMBERS_IN_HEADERS, _FEWEST_ROWS = 40, 3, 3
+_LONGEST_HEADER = 40
+_NUMBERS_IN_HEADERS = 3
+_FEWEST_ROWS = 3
 _SEPARATORS = (",", ";", "\t", "|", None)
 _A_DAY = 86400.0
 
@@ -57,8 +59,10 @@ def text_columns(text: str) -> Columns:
             if head is not None and _fits(rows[head:], separator):
                 tables.append((len(rows[head]), separator != ",", rows))
     if not tables:
-        first = "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg, or theta0_deg"
-        raise InvalidInput(f"no names above its numbers: give it a first line such as {first}")
+        raise InvalidInput(
+            "no names above its numbers: give it a first line such as "
+            "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg, or theta0_deg"
+        )
     _, has_decimal_commas, rows = max(tables, key=lambda table: table[0])
     return cell_columns(rows, has_decimal_commas)
 
@@ -84,7 +88,8 @@ def _fits(rows: Cells, separator: str | None) -> bool:
     """
     if len(rows) == 1:
         return False
-    names, numbers = len(rows[0]), len(rows[1])
+    names = len(rows[0])
+    numbers = len(rows[1])
     return names == numbers if separator is None else (names > 1) == (numbers > 1)
 
 
@@ -95,7 +100,8 @@ def is_table(rows: Cells) -> bool:
 
 def _header(rows: Cells) -> int | None:
     """The row of the names: the last one of words alone before the rows of numbers begin."""
-    with_numbers, head = 0, None
+    with_numbers = 0
+    head = None
     for index, row in enumerate(rows[:_LONGEST_HEADER]):
         with_numbers += _has_number(row)
         if with_numbers > _NUMBERS_IN_HEADERS:
@@ -117,7 +123,8 @@ def cell_columns(rows: Cells, has_decimal_commas: bool = False) -> Columns:
     head = _header(rows)
     if head is None:
         raise InvalidInput("no names above its numbers")
-    names, below = _names(rows[: head + 1]), rows[head + 1 :]
+    names = _names(rows[: head + 1])
+    below = rows[head + 1 :]
     width = len(names)
     for row in below:
         if any(field.strip() for field in row[width:]):
@@ -149,7 +156,9 @@ def _names(headings: Cells) -> list[str]:
 
 def _counted(names: Sequence[str]) -> list[str]:
     """Names, of which those that are there twice are counted."""
-    seen, taken, apart = Counter[str](), set[str](), list[str]()
+    seen = Counter[str]()
+    taken = set[str]()
+    apart = list[str]()
     for name in names:
         own = name
         while name and own in taken:
@@ -243,8 +252,10 @@ def _plain(name: str, numbers: pandas.Series, has_decimal_commas: bool) -> panda
     elif not len(with_comma) or is_any(",.*,"):
         thousands = ","
     else:
-        either = f"is {with_comma.iloc[0]} of {name} more than a thousand, or a decimal fraction?"
-        raise InvalidInput(f"{either} Write its numbers without commas")
+        raise InvalidInput(
+            f"is {with_comma.iloc[0]} of {name} more than a thousand, or a decimal fraction? "
+            "Write its numbers without commas"
+        )
     if thousands:
         sign = re.escape(thousands)
         numbers = numbers.str.replace(rf"{sign}(?=\d{{3}}(?:[.,]|$))", "", regex=True)

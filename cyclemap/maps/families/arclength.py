@@ -12,10 +12,10 @@ import numpy as np
 
 from cyclemap.arrays import Array, Mask, shorter_way
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.estimate import EPS
 from cyclemap.maps.families.family import break_motion
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, curve_direction
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import root_between
 
 FIRST = 0.01  # scaled arclength of the first step
 SMALLEST = 1e-8  # of a step that finds no way on
@@ -165,8 +165,6 @@ class ArclengthWalk(Generic[Special]):
         """The solution at which a test is 0, between two that are ``length`` apart, by its sign
         there.
         """
-        from scipy.optimize import brentq  # slow to import
-
         known = {0.0: here, length: solved}
 
         def value(distance: float) -> float:
@@ -183,7 +181,7 @@ class ArclengthWalk(Generic[Special]):
                 known[distance] = state
             return self.equations.tests(known[distance])[index][1]
 
-        return known[brentq(value, 0.0, length, xtol=EPS * length, rtol=8.0 * EPS)]
+        return known[root_between(value, 0.0, length)]
 
     def taken(self, here: OrbitState, solved: OrbitState, direction: Array) -> None:
         """Go on from ``here`` to ``solved``, or to the first solution where the step passes it, but

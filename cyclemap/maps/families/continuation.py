@@ -21,8 +21,8 @@ from cyclemap.maps.families.orbit_equations import (
     orbit_equations,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.orbit_means import orbit_angles
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
-from cyclemap.maps.orbits.rotation_number import orbit_angles
 
 RESOLUTION = 24
 _ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
@@ -403,7 +403,7 @@ def orbit_branches(
     return branches
 
 
-def same_orbit(one: Array, other: Array, tolerance: float) -> bool:
+def same_orbit(points: Array, other: Array, tolerance: float) -> bool:
     """Whether two orbits, radians, are the same but for whole turns and the first point."""
-    gaps = (shorter_way(np.roll(one, -k) - other) for k in range(one.size))
+    gaps = (shorter_way(np.roll(points, -k) - other) for k in range(points.size))
     return any(float(np.max(np.abs(gap))) <= tolerance for gap in gaps)

@@ -148,6 +148,19 @@ def parametric_form(family: Family) -> ParametricLift | None:
     return next((known for known in _KNOWN if known.circle_map == family), None)
 
 
+def broadcast_parameters(
+    parameters: Sequence[ArrayLike],
+) -> tuple[list[Array], tuple[int, ...], Array]:
+    """Arrays of parameters, checked; the shape to which they broadcast; and all of them in it, of
+    shape (k, m).
+    """
+    if not parameters:
+        raise InvalidInput("parameters are missing: give an array for each parameter of the family")
+    arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    return arrays, shape, np.array([np.broadcast_to(array, shape).ravel() for array in arrays])
+
+
 Family = Callable[..., CircleMap]
 Range = tuple[float, float]
 Item = TypeVar("Item")

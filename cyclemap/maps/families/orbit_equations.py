@@ -21,7 +21,7 @@ from cyclemap.maps.families.family import (
     parameter_tangent,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP, distance_to_break
+from cyclemap.maps.lifts.lift_checks import JUMP, differences, distance_to_break
 
 MULTIPLIERS = {"saddle-node": 1.0, "period-doubling": -1.0}
 _ITERATIONS = 12
@@ -30,7 +30,6 @@ _LONGEST = 1.0  # scaled length of a Newton step that counts as lost
 _CLOSE = 1e-13
 _ROUND_OFF = 2e-14  # radians: a residual that no step makes smaller
 _SLACK = 1e-9  # of a range: solutions so little outside are at its end
-_BEND = 1e-4  # radians: step of the differences of F'
 _BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
 # radians: spacing of the five-point differences of (F^n)'
 _WIDE = 4e-3
@@ -115,16 +114,6 @@ class OrbitState:
 
 def _products_of_others(slopes: Array) -> Array:
     return np.array([np.prod(np.delete(slopes, i)) for i in range(slopes.size)])
-
-
-def second_derivative(member: CircleMap, theta: Array) -> Array:
-    """F'' at ``theta``, shape (n,), from differences of F' that reach across no break."""
-    gaps = shorter_way(theta[:, None] - np.append(member.breaks, theta[0] + np.pi))
-    gap = gaps[np.arange(theta.size), np.argmin(np.abs(gaps), axis=1)]
-    below = np.where((gap > 0.0) & (gap <= _BEND), 0.0, _BEND)
-    above = np.where((gap < 0.0) & (gap >= -_BEND), 0.0, _BEND)
-    rise = member.derivative(theta + above) - member.derivative(theta - below)
-    return np.asarray(rise / (below + above))
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +209,7 @@ class OrbitEquations:
                 for tangent in tangents
             ]
             return gap, np.append(np.arange(theta.size) == self.point, np.negative(rates))
-        bend = second_derivative(member, theta)
+        bend, _ = differences(member.derivative, member.breaks, theta)
         others = _products_of_others(slopes)
         changes = [others @ tangent.of_slopes(theta, bend) for tangent in tangents]
         return float(np.prod(slopes)) - MULTIPLIERS[self.kind], np.append(others * bend, changes)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -23,16 +23,12 @@ from cyclemap.maps.families.family import (
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
-from cyclemap.maps.passages.killed_chain import (
-    Arc,
-    begun,
-    killed_chain,
-)
+from cyclemap.maps.passages.killed_chain import Arc, Passage, killed_chain
 from cyclemap.one_thread import one_thread
 
 Rate = TypeVar("Rate", float, Array)
@@ -130,7 +126,7 @@ class Response:
     def density(self, theta: ArrayLike) -> Array:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
-        moved, _ = self._moved(FourierLaw(self.basis), self.basis.evaluate(angles.ravel()).T)
+        moved, _ = self._moved(FourierLaw(self.basis), self.basis.evaluate(angles.ravel()))
         return moved.reshape(angles.shape)
 
     @one_thread
@@ -165,20 +161,20 @@ class Response:
         Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of
         ``mean_passage_time``.
         """
-        inside, ends, exits = begun(start, arc, lifted)
-        make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), exits, lifted)
+        passage = Passage.out_of(self.operator.map, self.basis.noise, arc, lifted)
+        inside = passage.begun(start)
         rates = []
         for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):
-            chain = make(stretch=stretch)
-            time = chain.expected(1.0, np.zeros(len(exits)))
+            chain = killed_chain(passage, stretch=stretch)
+            time = chain.expected(1.0, np.zeros(len(passage.exits)))
             theta = np.append(chain.theta, inside)
             images = self.operator.map(theta)
             growth = time.growth(images, chain)
             source = push(theta) * growth
             # Elimination keeps all digits of what is not negative.
             positive = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
-            onward = chain.transitions(images[-1:])[0] @ chain.elimination.solve(positive[:-1])
-            up, down, most = (positive[-1] + onward).tolist()
+            later, _, _ = chain.elimination.expected(positive[:-1])
+            up, down, most = (positive[-1] + chain.transitions(images[-1:])[0] @ later).tolist()
             rates.append(up - down)
         near, far, again = rates
         rate, bound = _extrapolated(near, far)
@@ -208,17 +204,16 @@ class Response:
         direct : ∂h/∂F where h depends on F.
         """
         basis = law.basis
-        theta, weight = basis.rule
-        mass = weight * basis.on_nodes(law.coefficients)
         dual = law.dual(moments)
-        slopes = (basis.expected_slope(dual).T + direct) * mass
-        near, far = (slopes @ push(theta) for push in (self.near, self.far))
+        slopes = (basis.expected_slope(dual).T + direct) * law.masses
+        near, far = (slopes @ push(basis.rule[0]) for push in (self.near, self.far))
         jumps, left, right = basis.map.jumps()
         if jumps.size:
-            sides = [(waves(image, basis.modes).T * basis.kappa) @ dual for image in (left, right)]
+            later = (basis.kappa * dual.T).T
+            sides = [basis.dual(image, later) for image in (left, right)]
             across = (sides[0] - sides[1]).T + direct * (left - right)
             rates = self.near.break_rates[np.isin(basis.map.breaks, jumps)]
-            moved = across @ (rates * (basis.evaluate(jumps) @ law.coefficients))
+            moved = across @ (rates * law.density(jumps))
             near = near + moved
             far = far + moved
         rate, bound = _extrapolated(near, far)

@@ -5,7 +5,6 @@ diagrams.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,8 +16,14 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
-from cyclemap.maps.families.family import ParametricLift, each_done, parametric_form
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.families.family import (
+    Family,
+    ParametricLift,
+    broadcast_parameters,
+    each_done,
+    family_member,
+    parametric_form,
+)
 from cyclemap.maps.orbits.envelopes import is_nondecreasing
 from cyclemap.maps.orbits.rotation_number import rotation_number
 from cyclemap.progress import Progress
@@ -71,7 +76,7 @@ class RotationNumbers:
 
 
 def rotation_numbers(
-    family: Callable[..., CircleMap],
+    family: Family,
     *parameters: ArrayLike,
     tolerance: float = 1e-3,
     threads: int | None = None,
@@ -125,11 +130,7 @@ def rotation_numbers(
         )
     wanted = _wanted(tolerance)
     workers = _WORKERS if threads is None else whole_number("threads", threads, least=1)
-    if not parameters:
-        raise InvalidInput("parameters are missing: give an array for each parameter of the family")
-    arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
-    shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    flat = np.array([np.broadcast_to(array, shape).ravel() for array in arrays])
+    _, shape, flat = broadcast_parameters(parameters)
     bounds = _bounds(formula, flat, wanted, workers)
     return RotationNumbers(*_in_shape(_judged(bounds, wanted), shape), wanted)
 
@@ -354,7 +355,7 @@ class RotationPlane:
 
 
 def rotation_plane(
-    family: Callable[..., CircleMap],
+    family: Family,
     first_values: ArrayLike,
     second_values: ArrayLike,
     tolerance: float = 1e-3,
@@ -405,10 +406,6 @@ def rotation_plane(
     >>> plane.period.tolist(), plane.winding.tolist()
     ([[1, 1], [2, 2]], [[0, 0], [1, 1]])
     """
-    if not callable(family):
-        raise InvalidInput(
-            f"family is {family!r}: give a callable of two parameters that gives a CircleMap"
-        )
     first = _axis("first_values", first_values)
     second = _axis("second_values", second_values)
     wanted = _wanted(tolerance)
@@ -430,15 +427,9 @@ def rotation_plane(
     return RotationPlane(read_only(first), read_only(second), *numbers, folded, wanted)
 
 
-def _cell(
-    family: Callable[..., CircleMap], tolerance: float, place: list[float]
-) -> tuple[float, ...]:
+def _cell(family: Family, tolerance: float, place: list[float]) -> tuple[float, ...]:
     """Value, lower, upper, period and winding of one map, and whether it folds."""
-    member = family(*place)
-    if not isinstance(member, CircleMap) or member.degree != 1:
-        raise InvalidInput(
-            f"the family gives {member!r} at {tuple(place)}: it must be a CircleMap of degree 1"
-        )
+    member = family_member(family, *place)
     iterates = max(16, int(np.ceil(1.0 / tolerance)))
     known = rotation_number(member, iterates=iterates, tolerance=tolerance)
     locked = known.locked

@@ -28,14 +28,13 @@ from cyclemap.maps.families.family import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
-from cyclemap.maps.lifts.scan import monotone_cells
+from cyclemap.maps.lifts.scan import monotone_cells, root_between
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 from cyclemap.progress import Progress
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians
-_CLOSE = 4.0 * EPS  # relative: the least that Brent's method takes
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
@@ -102,7 +101,7 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     """
     start = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK
     width = TWO_PI / _FIRST_LOOK
-    found = (0.0, 0.0)
+    unseen = (0.0, 0.0)
     smooth_ones_count = False
     while start.size:
         theta = start[:, None] + width * _QUARTERS
@@ -121,11 +120,11 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
             smooth = smooth | left
             left = np.zeros_like(left)
         highest = int(np.argmax(np.where(smooth, height, 0.0)))
-        if smooth[highest] and height[highest] > found[0]:
-            found = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
+        if smooth[highest] and height[highest] > unseen[0]:
+            unseen = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
         start = (start[left, None] + width * _QUARTERS[:-1]).ravel()
         width = 0.25 * width
-    return found
+    return unseen
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,13 +207,13 @@ class EdgeSearch:
             self.marks.append(where)
             self.tried.clear()
         error = above - below + self._off(trial, parameter, unseen) + 2.0 * EPS * abs(parameter)
-        folds = trial.monotone is not trial.member
-        return Estimate(parameter, error), *self._touching(trial), folds
+        points = self._orbit(trial)
+        meets = float(np.min(distance_to_break(trial.member.breaks, points))) < _AT_BREAK
+        kind = "border-collision" if meets else "saddle-node"
+        return Estimate(parameter, error), points, kind, trial.monotone is not trial.member
 
     def _bracketed(self) -> tuple[float, float]:
         """Neighbouring floats, M below 0 at the lower one, and not at the upper one."""
-        from scipy.optimize import brentq  # slow to import
-
         low, high = self.within
         for end, beyond, where in (
             (low, self.value(low) >= 0.0, "below"),
@@ -225,9 +224,8 @@ class EdgeSearch:
                     f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, "
                     f"outside the parameters ({low:.9g}, {high:.9g}): widen them"
                 )
-        # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
-        close = 2.0 * EPS * max(abs(low), abs(high))
-        brentq(lambda p: self.value(p) or 1e-300, low, high, xtol=close, rtol=_CLOSE)
+        # The last two guesses lie on the two sides of the edge: a zero counts as beyond it.
+        root_between(lambda p: self.value(p) or 1e-300, low, high)
         return (
             max(p for p in self.tried if self.value(p) < 0.0),
             min(p for p in self.tried if self.value(p) >= 0.0),
@@ -248,26 +246,22 @@ class EdgeSearch:
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
         return (LIFT * angle * disturbed + unseen) / moved
 
-    def _touching(self, trial: _Trial) -> tuple[Array, str]:
-        """The orbit at which the extremum is 0, by the limits of the side it is taken from; what
-        meets there.
-        """
+    def _orbit(self, trial: _Trial) -> Array:
+        """The orbit at which the extremum is taken, by the limits of the side it is taken from."""
         lift = trial.monotone.right if self._sign > 0.0 else trial.monotone.left
         points = np.full(self.ratio.denominator, trial.extremum[1] % TWO_PI)
-        for i in range(1, points.size):
-            points[i] = np.mod(lift(points[i - 1]), TWO_PI)
-        meets = float(np.min(distance_to_break(trial.member.breaks, points))) < _AT_BREAK
-        return points, "border-collision" if meets else "saddle-node"
+        for index in range(1, points.size):
+            points[index] = np.mod(lift(points[index - 1]), TWO_PI)
+        return points
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to
         first order.
         """
-        image = np.array(trial.extremum[1])
+        points = self._orbit(trial)
         gained = 0.0
-        for _ in range(self.ratio.denominator):
-            gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
-            image = np.mod(trial.monotone(image), TWO_PI)
+        for moved, slope in zip(push(points), trial.monotone.derivative(points), strict=True):
+            gained = float(moved + slope * gained)
         return gained
 
 
@@ -495,15 +489,15 @@ def tongues(
             "of each"
         )
     places = list(product(wanted, values.tolist()))
-    found = list(each_done(partial(_tongue_at, family, within), places, executor, progress))
-    edges = [edge for locked in found for edge in (locked.left, locked.right)]
-    errors = [edge.error_bound for edge in edges]
-    left, right, left_error, right_error = (
-        read_only(column.reshape(len(wanted), values.size))
-        for column in (*np.reshape(edges, (-1, 2)).T, *np.reshape(errors, (-1, 2)).T)
+    locked = each_done(partial(_tongue_at, family, within), places, executor, progress)
+    rows = [
+        (at.left, at.right, at.left.error_bound, at.right.error_bound, at.folded) for at in locked
+    ]
+    table = read_only(np.transpose(rows).reshape(5, len(wanted), values.size))
+    left, right, left_error, right_error, folded = table
+    return TongueBoundaries(
+        wanted, read_only(values), left, right, left_error, right_error, folded > 0.0
     )
-    folded = np.reshape([locked.folded for locked in found], left.shape)
-    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
 
 
 def _tongue_at(family: Family, within: Range, place: tuple[Fraction, float]) -> Tongue:

@@ -15,7 +15,13 @@ from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, base_angles
+from cyclemap.maps.lifts.lift_checks import (
+    JUMP,
+    SIDE_STEP,
+    SNAP,
+    base_angles,
+    distance_to_break,
+)
 from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells, ranks
 
 
@@ -49,8 +55,13 @@ class MonotoneTable:
         )
         if inside.size:
             level = wanted[inside]
+            # At a break F has the value from the right, which belongs to the next branch.
+            broken = distance_to_break(self.map.breaks, high[inside]) <= SNAP
+            last = high[inside] - SIDE_STEP * broken
             result[inside] = bracketed_root(
-                lambda x, i: self.sign * self.map(x) - level[i], low[inside], high[inside]
+                lambda x, index: self.sign * self.map(np.minimum(x, last[index])) - level[index],
+                low[inside],
+                high[inside],
             )
         return np.reshape(result, np.shape(values))
 
@@ -184,16 +195,17 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     direction = _directions(cells, first, last, smooth)
     cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
     cut = cut if cut.size else np.array([0])
+    # A branch may run on into the next turn.
+    start, end = (np.append(nodes, nodes + TWO_PI) for nodes in (cells.start, cells.end))
+    first, last = (np.append(values, values + cells.climb) for values in (first, last))
     made = []
     for a, b in zip(cut, np.append(cut[1:], cut[0] + cells.start.size), strict=True):
-        lap, own_cells = np.divmod(np.arange(a, b), cells.start.size)
-        laps = np.append(lap, lap[-1])
         sign = -1 if direction[a] < 0 else 1
-        theta = np.append(cells.start[own_cells], cells.end[own_cells[-1]]) + TWO_PI * laps
-        value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
+        theta = np.append(start[a:b], end[b - 1])
+        value = np.append(first[a:b], last[b - 1])
         rising = np.maximum.accumulate(sign * value)
         table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
-        ends = [float(column[i]) for column in (theta, value) for i in (0, -1)]
+        ends = [float(column[place]) for column in (theta, value) for place in (0, -1)]
         made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
     return tuple(made)
 
@@ -281,13 +293,16 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     """
     roots = [np.zeros(0)]
     plateaus = [np.zeros(0)]
-    for i, branch in enumerate(parts):
-        low, high, touches = _levels(parts, i, angles, degree)
+    for index, branch in enumerate(parts):
+        start, end = _ends(parts, index, angles, degree)
         if branch.direction == 0:
-            if np.any(touches):
+            if np.any(start == np.round(start)):
                 plateaus.append(np.array([branch.start, branch.end]))
             continue
-        count = np.maximum(high - low + 1, 0)
+        # The start of a branch belongs to it, its end to the next one.
+        low = np.ceil(start) if branch.direction > 0 else np.floor(end) + 1.0
+        high = np.ceil(end) - 1.0 if branch.direction > 0 else np.floor(start)
+        count = np.maximum(high - low + 1.0, 0.0).astype(np.int64)
         owner = np.repeat(np.arange(angles.size), count)
         whole = low[owner] + ranks(count)
         # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
@@ -295,43 +310,27 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
 
 
-def _levels(
-    parts: tuple[Branch, ...], i: int, angles: Array, degree: int
-) -> tuple[Whole, Whole, Mask]:
-    """The whole turns w, from the first to the second, with F = angle + 2πw in [start, end);
-    whether start is one.
+def _ends(parts: tuple[Branch, ...], index: int, angles: Array, degree: int) -> tuple[Array, Array]:
+    """The turns from each angle to F at the branch's start and at its end.
 
     Where two branches meet without a jump, both count from the same rounding, so nothing is lost or
     doubled.
     """
-    branch = parts[i]
-    lap = (i + 1) // len(parts)
-    before = parts[i - 1]
-    after = parts[(i + 1) % len(parts)]
-    above_start, below_start, touches = _rounded(
-        branch.start_value, angles, before.direction != branch.direction
-    )
-    if abs(branch.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
-        above_end, below_end, _ = _rounded(
-            after.start_value, angles, branch.direction != after.direction
-        )
-        above_end = above_end + degree * lap
-        below_end = below_end + degree * lap
-    else:
-        above_end, below_end, _ = _rounded(branch.end_value, angles, False)
-    if branch.direction < 0:
-        return below_end + 1, below_start, touches
-    return above_start, above_end - 1, touches
+    branch = parts[index]
+    lap = (index + 1) // len(parts)
+    after = parts[(index + 1) % len(parts)]
+    start = _turns_to(branch.start_value, angles, parts[index - 1].direction != branch.direction)
+    if abs(branch.end_value - after.start_value - TWO_PI * degree * lap) > JUMP:
+        return start, _turns_to(branch.end_value, angles, False)
+    end = _turns_to(after.start_value, angles, branch.direction != after.direction)
+    return start, end + degree * lap
 
 
-def _rounded(value: float, angles: Array, turns_back: bool) -> tuple[Whole, Whole, Mask]:
-    """The least w with angle + 2πw ≥ value, the greatest with ≤, and whether one is equal within
-    the tolerance.
+def _turns_to(value: float, angles: Array, turns_back: bool) -> Array:
+    """The turns from each angle to the value: whole ones where they are equal within the
+    tolerance.
     """
     turns = (value - angles) / TWO_PI
     nearest = np.round(turns)
     tolerance = TOUCH if turns_back else 4.0 * EPS * (1.0 + abs(value))
-    touches = np.abs(value - angles - TWO_PI * nearest) <= tolerance
-    above = np.where(touches, nearest, np.ceil(turns)).astype(np.int64)
-    below = np.where(touches, nearest, np.floor(turns)).astype(np.int64)
-    return above, below, touches
+    return np.where(np.abs(value - angles - TWO_PI * nearest) <= tolerance, nearest, turns)

@@ -25,8 +25,8 @@ from cyclemap.inline_svg import inline_svg, map_strokes
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
     Lift,
+    MadeLift,
     Scalar,
-    SlopesAndErrors,
     base_angles,
     check_lift,
     check_scalar,
@@ -52,7 +52,7 @@ _NO_BREAKS = read_only(())
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class CircleMap:
+class CircleMap(MadeLift):
     """A map of the circle given by its lift, an ordinary function of the real line.
 
     Parameters
@@ -103,12 +103,12 @@ class CircleMap:
     degree: int
     max_error: float
     samples: int
-    pieces: PiecewiseCubic | None
     formula: Lift
+    has_scalar: bool
+    _made: MadeLift | None
     _lift: Lift
     _derivative: Lift | None
     _scalar: Scalar | None
-    _slopes: SlopesAndErrors | None
     _recipe: Recipe
 
     def __init__(
@@ -124,6 +124,9 @@ class CircleMap:
             raise InvalidInput(
                 f"lift is {lift!r}: lift and derivative must be callables of an array of angles"
             )
+        made = lift if derivative is None and isinstance(lift, MadeLift) else None
+        slope = derivative if made is None else made.derivative
+        scalar = made.scalar() if made is not None and made.has_scalar else None
         given = (
             _NO_BREAKS
             if isinstance(breaks, tuple) and not breaks
@@ -134,15 +137,15 @@ class CircleMap:
             degree=whole_number("degree", degree),
             max_error=non_negative_number("max_error", max_error),
             samples=0,
-            pieces=None,
             formula=lift,
+            _made=made,
             _lift=guarded("lift", lift, True),
-            _derivative=None if derivative is None else guarded("derivative", derivative, False),
-            _scalar=None,
-            _slopes=None,
+            _derivative=None if slope is None else guarded("derivative", slope, False),
+            _scalar=scalar,
+            has_scalar=scalar is not None,
             _recipe=(CircleMap, (lift, derivative, breaks, degree), {"max_error": max_error}),
         )
-        check_lift(lift, derivative, self.breaks, self.degree)
+        check_lift(lift, slope, self.breaks, self.degree)
 
     def _set(self, **fields: object) -> None:
         for name, value in fields.items():
@@ -157,17 +160,10 @@ class CircleMap:
         self._set(_recipe=(maker, arguments, options))
         return self
 
-    def with_slope_errors(self, slopes: SlopesAndErrors) -> CircleMap:
-        """The map itself, whose derivative is known no better than the errors that this function
-        tells beside it.
-        """
-        self._set(_slopes=slopes)
-        return self
-
     def __reduce__(self) -> tuple[Callable[..., CircleMap], tuple[Recipe]]:
         _, arguments, options = self._recipe
         for given in (*arguments, *options.values()):
-            if callable(given) and not isinstance(given, CircleMap):
+            if callable(given) and not isinstance(given, MadeLift):
                 try:
                     pickle.dumps(given)
                 except Exception as cause:
@@ -219,8 +215,8 @@ class CircleMap:
         Maps made of maps, or of branches, carry the errors of what they are made of.
         """
         angles = np.asarray(theta, dtype=np.float64)
-        if self._slopes is not None:
-            return self._slopes(angles)
+        if self._made is not None:
+            return self._made.derivative_and_error(angles)
         if self._derivative is None:
             return differences(self._lift, self.breaks, angles)
         return with_rounding(self._derivative(angles))
@@ -243,17 +239,13 @@ class CircleMap:
         return self.breaks[jumping], left[jumping], right[jumping]
 
     @property
-    def has_scalar(self) -> bool:
-        """Whether one python float is quicker than an array:
-        the lift has a form of its own for it."""
-        return self._scalar is not None
+    def pieces(self) -> PiecewiseCubic | None:
+        """The cubics of a sampled map, None of any other."""
+        return self.formula if isinstance(self.formula, PiecewiseCubic) else None
 
     def scalar(self) -> Scalar:
         """F as a function of one python float: for loops that follow one orbit."""
-        if self._scalar is not None:
-            return self._scalar
-        lift = self._lift
-        return lambda theta: float(lift(np.asarray(theta)))
+        return super().scalar() if self._scalar is None else self._scalar
 
     @classmethod
     def with_scalar(
@@ -264,7 +256,7 @@ class CircleMap:
         """
         made = cls(lift, derivative, **options)
         check_scalar(scalar, lift, derivative)
-        made._set(_scalar=scalar)
+        made._set(_scalar=scalar, has_scalar=True)
         return made.remade_by(cls.with_scalar, lift, derivative, scalar, **options)
 
     @classmethod
@@ -437,10 +429,7 @@ class CircleMap:
         whole = whole_number("degree", degree)
         given = list(branches) if isinstance(branches, Iterable) else branches
         lift, breaks = lift_from_branches(given, whole)
-        options = {"breaks": breaks, "degree": whole, "max_error": max_error}
-        made = cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)
-        made.with_slope_errors(lift.derivative_and_error)
-        return made.remade_by(cls.from_branches, given, degree=whole, max_error=max_error)
+        return cls(lift, None, breaks, whole, max_error=max_error)
 
     @classmethod
     def from_samples(
@@ -501,8 +490,8 @@ class CircleMap:
         """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for
         the record.
         """
-        made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
-        made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
+        made = cls(pieces, None, breaks, pieces.degree, max_error=max_error)
+        made._set(samples=samples)
         return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
 
 

@@ -16,11 +16,13 @@ from cyclemap.checks import non_negative_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import within_turn
 from cyclemap.maps.lifts.map_algebra import CompositeLift
 from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic
 from cyclemap.plain_text import install_words
 
-# flint.arb, a midpoint and a radius: every operation gives a ball that holds the true result
+# flint.arb, a midpoint and a radius, or a power series of two: every operation gives balls that hold
+# the true result
 Ball = Any
 
 _WRITTEN = (
@@ -38,15 +40,23 @@ def ball_library() -> Any:  # typed as Any: an extra that need not be there
     return flint
 
 
-def _chained(
-    function: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]
-) -> Callable[[Jet], Jet]:
-    """A method of jets for a function and its derivative."""
+def _lifted(operation: Callable[..., Ball]) -> Callable[..., Jet]:
+    """A method of jets for an operation on power series."""
 
-    def method(jet: Jet) -> Jet:
-        return Jet(function(jet.value), slope(jet.value) * jet.slope)
+    def method(*jets: Jet | float) -> Jet:
+        series = operation(*(_series(jet) for jet in jets))
+        return Jet(series[0], series[1])
 
     return method
+
+
+def _series(number: Jet | float) -> Ball:
+    """The two terms of a jet, or a number as it is."""
+    if isinstance(number, Jet):
+        return ball_library().arb_series([number.value, number.slope], prec=2)
+    if not isinstance(number, (int, float, np.integer, np.float32)):
+        raise TypeError(f"{type(number).__name__} beside an interval")
+    return int(number) if isinstance(number, (int, np.integer)) else float(number)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,34 +66,13 @@ class Jet:
     value: Ball
     slope: Ball
 
-    def __add__(self, other: Jet | float) -> Jet:
-        other = self._jet(other)
-        return Jet(self.value + other.value, self.slope + other.slope)
-
-    __radd__ = __add__
-
-    def __neg__(self) -> Jet:
-        return Jet(-self.value, -self.slope)
-
-    def __sub__(self, other: Jet | float) -> Jet:
-        return self + -self._jet(other)
-
-    def __rsub__(self, other: Jet | float) -> Jet:
-        return -self + other
-
-    def __mul__(self, other: Jet | float) -> Jet:
-        other = self._jet(other)
-        return Jet(self.value * other.value, self.slope * other.value + self.value * other.slope)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Jet | float) -> Jet:
-        other = self._jet(other)
-        ratio = self.value / other.value
-        return Jet(ratio, (self.slope - ratio * other.slope) / other.value)
-
-    def __rtruediv__(self, other: Jet | float) -> Jet:
-        return self._jet(other) / self
+    __add__ = __radd__ = _lifted(lambda x, y: x + y)
+    __neg__ = _lifted(lambda x: -x)
+    __sub__ = _lifted(lambda x, y: x - y)
+    __rsub__ = _lifted(lambda x, y: y - x)
+    __mul__ = __rmul__ = _lifted(lambda x, y: x * y)
+    __truediv__ = _lifted(lambda x, y: x / y)
+    __rtruediv__ = _lifted(lambda x, y: y / x)
 
     def __pow__(self, exponent: Jet | float) -> Jet:
         if isinstance(exponent, Jet):
@@ -99,16 +88,16 @@ class Jet:
         raise TypeError("intervals cannot be compared")
 
     # numpy's functions of object arrays call the methods of their names.
-    sin = _chained(lambda x: x.sin(), lambda x: x.cos())
-    cos = _chained(lambda x: x.cos(), lambda x: -x.sin())
-    tan = _chained(lambda x: x.tan(), lambda x: 1 + x.tan() ** 2)
-    exp = _chained(lambda x: x.exp(), lambda x: x.exp())
-    log = _chained(lambda x: x.log(), lambda x: 1 / x)
-    sqrt = _chained(lambda x: x.sqrt(), lambda x: 1 / (2 * x.sqrt()))
-    sinh = _chained(lambda x: x.sinh(), lambda x: x.cosh())
-    cosh = _chained(lambda x: x.cosh(), lambda x: x.sinh())
-    tanh = _chained(lambda x: x.tanh(), lambda x: 1 - x.tanh() ** 2)
-    arctan = _chained(lambda x: x.atan(), lambda x: 1 / (1 + x * x))
+    sin = _lifted(lambda x: x.sin())
+    cos = _lifted(lambda x: x.cos())
+    tan = _lifted(lambda x: x.tan())
+    exp = _lifted(lambda x: x.exp())
+    log = _lifted(lambda x: x.log())
+    sqrt = _lifted(lambda x: x.sqrt())
+    sinh = _lifted(lambda x: 0.5 * (x.exp() - (-x).exp()))
+    cosh = _lifted(lambda x: 0.5 * (x.exp() + (-x).exp()))
+    tanh = _lifted(lambda x: 1 - 2 / ((2 * x).exp() + 1))
+    arctan = _lifted(lambda x: x.atan())
 
     def arctan2(self, across: Jet | float) -> Jet:
         """The angle of the point (across, self); where it may jump from π to -π its slope is
@@ -123,12 +112,7 @@ class Jet:
         return Jet(angle, turned / (across.value * across.value + self.value * self.value))
 
     def _jet(self, other: Jet | float) -> Jet:
-        if isinstance(other, Jet):
-            return other
-        if not isinstance(other, (int, float, np.integer, np.float32)):
-            raise TypeError(f"{type(other).__name__} beside an interval")
-        exact = int(other) if isinstance(other, (int, np.integer)) else float(other)
-        return Jet(self.value * 0 + exact, self.value * 0)
+        return other if isinstance(other, Jet) else 0 * self + other
 
 
 IntervalLift = Callable[[Jet], Jet]
@@ -200,25 +184,24 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
     arb = ball_library().arb
     if not float(jet.value.rad()) < np.pi:  # a turn or more, or unknown
         return Jet(arb.nan(), arb.nan())
-    turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
-    base = jet.value - 2 * arb.pi() * turns
-    low = np.nextafter(float(base.lower()), -np.inf)
-    high = np.nextafter(float(base.upper()), np.inf)
-    # The cubics of three turns; a neighbour more on either side is never wrong, as the ends of
-    # turns are rounded.
-    starts = np.concatenate([pieces.knots[:-1] + TWO_PI * lap for lap in (-1, 0, 1)])
-    ends = np.append(starts[1:], 2.0 * TWO_PI)
-    first = max(int(np.searchsorted(starts, low, side="right")) - 2, 0)
-    last = int(np.searchsorted(starts, high, side="left")) + 1
+    low = np.nextafter(float(jet.value.lower()), -np.inf)
+    high = np.nextafter(float(jet.value.upper()), np.inf)
+    count = pieces.knots.size - 1
+    base, laps = within_turn(np.array([low, high]))
+    first, last = (np.searchsorted(pieces.knots, base, "right") + count * laps).astype(int)
     values = []
     slopes = []
-    for index, (start, end) in enumerate(zip(starts[first:last], ends[first:last], strict=True)):
+    # A neighbour more on either side is never wrong, as the ends of turns are rounded.
+    for index in range(first - 2, last + 1):
+        lap, piece = divmod(index, count)
+        ends = pieces.knots[piece : piece + 2] + TWO_PI * lap
+        start, end = np.nextafter(ends, [-np.inf, np.inf])
         if max(low, start) > min(high, end):
             continue
-        lap, piece = divmod(first + index, pieces.knots.size - 1)
-        offset = arb(max(low, start)).union(arb(min(high, end))) - float(start)
-        c0, c1, c2, c3 = pieces.coefficients[:, piece].tolist()
-        climb = 2 * arb.pi() * (pieces.degree * (lap - 1 + turns))
-        values.append(((c3 * offset + c2) * offset + c1) * offset + c0 + climb)
-        slopes.append((3 * c3 * offset + 2 * c2) * offset + c1)
+        turned = 2 * arb.pi() * lap
+        place = arb(max(low, start)).union(arb(min(high, end)))
+        offset = place - turned - float(pieces.knots[piece])
+        cubic = ball_library().arb_poly(pieces.coefficients[:, piece].tolist())
+        values.append(cubic(offset) + pieces.degree * turned)
+        slopes.append(cubic.derivative()(offset))
     return Jet(reduce(arb.union, values), reduce(arb.union, slopes) * jet.slope)

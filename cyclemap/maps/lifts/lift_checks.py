@@ -4,6 +4,7 @@ lift.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import numpy as np
@@ -16,8 +17,31 @@ from cyclemap.maps.estimate import EPS, LIFT, STENCIL
 
 Lift = Callable[[Array], Array]
 Scalar = Callable[[float], float]
-SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
 Index = npt.NDArray[np.intp]
+
+
+class MadeLift(ABC):
+    """A lift that is made of pieces or of other lifts, and knows the errors of its slopes."""
+
+    has_scalar: bool = False
+    """Whether one python float is quicker than an array: the lift has a form of its own for it."""
+
+    @abstractmethod
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta`` (radians, any shape)."""
+
+    @abstractmethod
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """Its slope, from the right where that jumps, and a bound on the slope's error."""
+
+    def derivative(self, theta: Array) -> Array:
+        """Its slope."""
+        return self.derivative_and_error(theta)[0]
+
+    def scalar(self) -> Scalar:
+        """The same lift for one python float."""
+        return lambda theta: float(self(np.asarray(theta)))
+
 
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
 JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
@@ -159,7 +183,6 @@ _TURN = 0.0731 + np.linspace(0.0, TWO_PI, 65)
 _POINTS = np.concatenate([_SPREAD, _SPREAD + TWO_PI, _TURN])
 _TOLERANCE = 1e-8  # radians, and relative: F(θ + 2π) - F(θ) off by less is a lift
 _HIDDEN_JUMP = np.pi  # radians: a larger step between neighbours is looked into
-_SECTIONS = np.arange(65.0) / 64.0
 
 
 def base_angles(theta: Array) -> Array:
@@ -323,16 +346,13 @@ def _refuse_hidden_jump(
     lap = np.searchsorted(np.concatenate([breaks, breaks + TWO_PI]), points)
     free = np.where(np.diff(lap) == 0, steps, 0.0)
     worst = int(np.argmax(free))
-    low = points[worst]
-    high = points[worst + 1]
+    low, high = points[worst : worst + 2]
     step = free[worst]
     while step > _HIDDEN_JUMP and high - low > 1e-13:
-        sections = low + (high - low) * _SECTIONS
-        steps = np.abs(np.diff(lift(sections)))
-        worst = int(np.argmax(steps))
-        low = sections[worst]
-        high = sections[worst + 1]
-        step = steps[worst]
+        middle = 0.5 * (low + high)
+        before, after = np.abs(np.diff(lift(np.array([low, middle, high]))))
+        low, high = (low, middle) if before >= after else (middle, high)
+        step = max(before, after)
     ends = np.array([low, high])
     steepest = 0.0 if derivative is None else float(np.max(np.abs(derivative(ends))))
     if step > _HIDDEN_JUMP + 8.0 * steepest * (high - low):

@@ -15,25 +15,30 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, require_room, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS, LIFT, SAME_ANGLE
-from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import EPS, LIFT
+from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
     SIDE_STEP,
     SNAP,
+    MadeLift,
     Scalar,
     base_angles,
     carried_round,
     distance_to_break,
     within_turn,
 )
-from cyclemap.maps.lifts.scan import INSET
+from cyclemap.maps.lifts.scan import monotone_cells, pulled_back
 
 
 def slope_and_error_beside(
-    circle_map: CircleMap, theta: Array, moved: Array, low: Array, high: Array
+    circle_map: CircleMap,
+    theta: Array,
+    moved: Array | float,
+    low: Array | float = -np.inf,
+    high: Array | float = np.inf,
 ) -> tuple[Array, Array]:
     """F' at ``theta``, which may be off by ``moved``, and a bound on its error; F' is read in [low,
     high] only.
@@ -46,28 +51,24 @@ def slope_and_error_beside(
 
 
 @dataclass(frozen=True, eq=False)
-class InverseLift:
-    """F⁻¹ from a table of F whose values cover [0, 2π]; ``breaks`` are its own, sorted,
-    in [0, 2π)."""
+class InverseLift(MadeLift):
+    """F⁻¹ from a table of one turn of F, along which F rises or falls by 2π."""
 
     table: MonotoneTable
-    breaks: Array
-    degree: int
 
     def __call__(self, values: Array) -> Array:
-        """The lift of the inverse at ``values`` (radians, any shape)."""
-        base, turns = within_turn(values)
-        return self.table.inverse(base) + (TWO_PI * self.degree) * turns
+        """The inverse at ``values``, radians."""
+        base, turns = self._in_table(values)
+        return self.table.inverse(base) + (TWO_PI * self.table.sign) * turns
 
-    def derivative(self, values: Array) -> Array:
-        """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump
-        of F.
-        """
-        return self.derivative_and_error(values)[0]
+    def _in_table(self, values: Array) -> tuple[Array, Array]:
+        """The values less whole turns, within the table, and those turns."""
+        turns = np.floor((values - min(self.table.value[0], self.table.value[-1])) / TWO_PI)
+        return values - TWO_PI * turns, turns
 
     def derivative_and_error(self, values: Array) -> tuple[Array, Array]:
-        """The same and a bound on its error: that of F', at an angle that is known to rounding over
-        F'.
+        """1/F' at the inverse, on the side of F's breaks that belongs to the value, 0 across a jump
+        of F; its error is that of F', at an angle that is known to rounding over F'.
         """
         theta, low, high = self._inside(values)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -84,7 +85,7 @@ class InverseLift:
         """The angles, and the ends between which F' belongs to the value: inside their cell's
         breaks.
         """
-        base, _ = within_turn(values)
+        base, _ = self._in_table(values)
         theta = self.table.inverse(base)
         cell = self.table.cell(base)
         low = self.table.theta[cell]
@@ -94,7 +95,7 @@ class InverseLift:
 
 
 @dataclass(frozen=True, eq=False)
-class CompositeLift:
+class CompositeLift(MadeLift):
     """θ → F_k(… F_2(F_1(θ))). Whole turns are taken off between the maps and carried apart.
 
     So no digits are lost on long orbits, and beside a break of the composite each map is used on
@@ -109,9 +110,10 @@ class CompositeLift:
     maps: tuple[CircleMap, ...]
     guards: tuple[tuple[Array, Array, Array] | None, ...]
     breaks: Array
+    has_scalar = True
 
     def __call__(self, theta: Array) -> Array:
-        """The lift at ``theta`` (radians, any shape)."""
+        """The lift at ``theta``, radians."""
         for stage in self._stages(theta):
             image = stage.image + TWO_PI * stage.turns
         return image
@@ -204,8 +206,7 @@ class _Stage:
     high: Array
 
 
-MAX_BREAKS = 250_000
-_SAME = 8.0 * INSET  # radians: breaks nearer than this are one
+MAX_ITERATES = 250_000
 _GRID = TWO_PI * np.arange(2048.0) / 2048.0
 
 
@@ -243,9 +244,8 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     >>> doubled.degree, round(float(doubled(0.0)), 6)
     (2, 3.141593)
     """
-    breaks = _pulled_back(inner, outer.breaks, branches(inner) if outer.breaks.size else ())
-    made = _composite([inner, outer], breaks, _error_after(outer, inner.max_error))
-    return made.remade_by(compose, outer, inner)
+    breaks = _breaks_before(inner, outer.breaks, 1)
+    return _composite([inner, outer], breaks, _error_after(outer, inner.max_error))
 
 
 def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
@@ -270,18 +270,16 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     32
     """
     count = whole_number("n", n, least=0)
-    require_room("the iterate", count, "iterate less often", MAX_BREAKS)
+    require_room("the iterate", count, "iterate less often", MAX_ITERATES)
     if count == 0:
         return CircleMap.rigid(0.0)
     if count == 1:
         return circle_map
-    breaks = circle_map.breaks
     error = circle_map.max_error
-    parts = branches(circle_map) if breaks.size else ()
     for _ in range(count - 1):
-        breaks = _pulled_back(circle_map, breaks, parts)
         error = _error_after(circle_map, error)
-    return _composite([circle_map] * count, breaks, error).remade_by(nth_iterate, circle_map, count)
+    breaks = _breaks_before(circle_map, circle_map.breaks, count - 1)
+    return _composite([circle_map] * count, breaks, error)
 
 
 def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
@@ -317,9 +315,7 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
         return CircleMap.from_pieces(cubic, moved, circle_map.samples, circle_map.max_error)
     back = CircleMap.rigid(-turn / TWO_PI)
     forth = CircleMap.rigid(turn / TWO_PI)
-    return _composite([back, circle_map, forth], moved, circle_map.max_error).remade_by(
-        conjugate, circle_map, turn
-    )
+    return _composite([back, circle_map, forth], moved, circle_map.max_error)
 
 
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
@@ -349,8 +345,7 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
         return CircleMap.from_pieces(
             cubic, circle_map.breaks, circle_map.samples, circle_map.max_error
         )
-    made = _composite([circle_map, CircleMap.rigid(turns)], circle_map.breaks, circle_map.max_error)
-    return made.remade_by(shifted, circle_map, turns)
+    return _composite([circle_map, CircleMap.rigid(turns)], circle_map.breaks, circle_map.max_error)
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
@@ -403,37 +398,26 @@ def inverse(circle_map: CircleMap) -> CircleMap:
         jump = after.start_value + TWO_PI * degree * lap - branch.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
-    lift = _inverse_lift(circle_map, parts)
-    values = np.concatenate([_GRID, lift.breaks])
+    lift, breaks = _inverse_lift(circle_map, parts)
+    values = np.concatenate([_GRID, breaks])
     moved = float(np.max(np.abs(lift(values + error) - lift(values - error)))) if error else 0.0
-    made = CircleMap(lift, lift.derivative, lift.breaks, degree, max_error=moved)
-    return made.with_slope_errors(lift.derivative_and_error).remade_by(inverse, circle_map)
+    return CircleMap(lift, None, breaks, degree, max_error=moved)
 
 
-def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
+def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> tuple[InverseLift, Array]:
+    """The inverse and its breaks in [0, 2π)."""
     degree = circle_map.degree
     theta = np.concatenate([branch.table.theta for branch in parts])
     value = np.concatenate([branch.table.value for branch in parts])
-    bent = distance_to_break(circle_map.breaks, theta) <= SNAP
-    for branch, beyond in zip(
-        parts, np.cumsum([branch.table.theta.size for branch in parts]), strict=True
-    ):
-        if branch.direction == 0:  # both ends of a plateau
-            bent[[beyond - branch.table.theta.size, beyond - 1]] = True
-    base = base_angles(value)
-    breaks = np.unique(base[bent])
-    moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
-    order = np.lexsort((degree * moved, base))
-    theta = moved[order]
-    value = base[order]
-    # Carried on by one node below 0 and one above 2π, in the order of θ.
-    value = carried_round(value)[::degree]
-    theta = carried_round(theta, degree * TWO_PI)[::degree]
-    theta = np.maximum.accumulate(theta)
-    # The two sides of a jump, a turn apart, are one angle however they were rounded.
-    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
-    table = MonotoneTable(theta[apart][np.cumsum(apart) - 1], value, degree, circle_map)
-    return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
+    bent = value[distance_to_break(circle_map.breaks, theta) <= SNAP]
+    levels = [branch.start_value for branch in parts if branch.direction == 0]
+    breaks = np.unique(base_angles(np.append(bent, levels)))
+    # On to where the next turn begins: a jump may lie there.
+    theta = np.append(theta, theta[0] + TWO_PI)
+    value = np.append(value, value[0] + TWO_PI * degree)
+    rising = np.maximum.accumulate(degree * value)
+    table = MonotoneTable(theta, degree * rising, degree, circle_map)
+    return InverseLift(table), breaks[np.diff(breaks, prepend=-1.0) > SNAP]
 
 
 def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> CircleMap:
@@ -456,31 +440,14 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
             angle = circle_map(within_turn(angle)[0])
     lift = CompositeLift(tuple(maps), tuple(guards), breaks)
     degree = math.prod(circle_map.degree for circle_map in maps)
-    made = CircleMap.with_scalar(
-        lift,
-        lift.derivative,
-        lift.scalar(),
-        breaks=breaks,
-        degree=degree,
-        max_error=max_error,
-    )
-    return made.with_slope_errors(lift.derivative_and_error)
+    return CircleMap(lift, None, breaks, degree, max_error=max_error)
 
 
-def _pulled_back(inner: CircleMap, levels: Array, parts: tuple[Branch, ...]) -> Array:
-    """The breaks of ``inner`` and the preimages of ``levels``, each once: sorted, in [0, 2π)."""
+def _breaks_before(inner: CircleMap, levels: Array, cycles: int) -> Array:
+    """The breaks of ``inner`` and the preimages of ``levels`` up to so many cycles back."""
     if levels.size == 0:
         return inner.breaks
-    roots, plateaus = preimages_on(parts, levels, inner.degree)
-    angles = base_angles(np.append(roots, plateaus))
-    angles = np.sort(np.where(angles > TWO_PI - _SAME, 0.0, angles))
-    angles = angles[distance_to_break(inner.breaks, angles) > _SAME]
-    angles = angles[np.diff(angles, prepend=-1.0) > _SAME]
-    if angles.size > MAX_BREAKS:
-        raise ConvergenceError(
-            f"the composite has {angles.size} breaks, more than {MAX_BREAKS}: iterate less often"
-        )
-    return np.union1d(inner.breaks, angles)
+    return pulled_back(inner, monotone_cells(inner, 1, 0.0), inner.breaks, levels, cycles)
 
 
 def _error_after(outer: CircleMap, error: float) -> float:

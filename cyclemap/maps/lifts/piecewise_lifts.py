@@ -5,7 +5,7 @@ own.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import floor
@@ -22,8 +22,8 @@ from cyclemap.maps.lifts.lift_checks import (
     SNAP,
     Index,
     Lift,
+    MadeLift,
     Scalar,
-    SlopesAndErrors,
     base_angles,
     checked_call,
     differences_between,
@@ -33,7 +33,7 @@ from cyclemap.maps.lifts.lift_checks import (
 
 
 @dataclass(frozen=True, eq=False)
-class PiecewiseCubic:
+class PiecewiseCubic(MadeLift):
     """A lift made of cubics on [0, 2π): piece i is Σ_j coefficients[j, i] (θ - knots[i])^j.
 
     ``knots`` has shape (n + 1,), from 0 to 2π; ``coefficients`` has shape (4, n).
@@ -42,33 +42,34 @@ class PiecewiseCubic:
     knots: Array
     coefficients: Array
     degree: int
+    has_scalar = True
 
     def __call__(self, theta: Array) -> Array:
-        """The lift at ``theta`` (radians, any shape)."""
+        """The lift at ``theta``, radians."""
         piece, offset, turns = self._locate(theta)
         c0, c1, c2, c3 = (row[piece] for row in self.coefficients)
         value = ((c3 * offset + c2) * offset + c1) * offset + c0
         return np.asarray(value + (TWO_PI * self.degree) * turns)
 
     def derivative(self, theta: Array) -> Array:
-        """The lift's slope at ``theta``."""
+        """Its slope."""
         piece, offset, _ = self._locate(theta)
         _, c1, c2, c3 = (row[piece] for row in self.coefficients)
         return np.asarray((3.0 * c3 * offset + 2.0 * c2) * offset + c1)
 
-    def rises(self) -> bool:
-        """Whether no cubic falls anywhere."""
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """Its slope and what rounding makes of it."""
+        return with_rounding(self.derivative(theta))
+
+    def surely_rises(self) -> bool:
+        """Whether no cubic falls, as its slope's coefficients in Bernstein's polynomials tell: where
+        they do not, it may rise all the same.
+        """
         _, first, second, third = self.coefficients
         width = np.diff(self.knots)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # The slope is a parabola in the offset: least at an end, or at its vertex if that lies
-            # between.
-            vertex = np.clip(np.nan_to_num(-second / (3.0 * third)), 0.0, width)
-        slopes = [
-            (3.0 * third * offset + 2.0 * second) * offset + first
-            for offset in (0.0 * width, vertex, width)
-        ]
-        return bool(np.min(slopes) >= 0.0)
+        middle = first + second * width
+        last = middle + (second + 3.0 * third * width) * width
+        return bool(np.min([first, middle, last]) >= 0.0)
 
     def _locate(self, theta: Array) -> tuple[Index, Array, Array]:
         base, turns = within_turn(theta)
@@ -76,7 +77,7 @@ class PiecewiseCubic:
         piece = np.clip(piece, 0, self.knots.size - 2)
         return piece, base - self.knots[piece], turns
 
-    def scalar(self) -> Callable[[float], float]:
+    def scalar(self) -> Scalar:
         """The same lift for one python float, without numpy's overhead."""
         knots: list[float] = self.knots.tolist()
         last = self.knots.size - 2
@@ -182,27 +183,20 @@ def _one_period(
     tangents = np.zeros_like(angles) if slopes is None else slopes
     table = np.stack([angles, values, tangents])
     climb = np.array([TWO_PI, TWO_PI * degree, 0.0])
-    if angles[1] == angles[0]:
-        end = table[:, 0] + climb
-        last = table[:, -1]
-        if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
-            raise InvalidInput(
-                f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}"
-            )
-        table = table[:, 1:]
-    elif angles[-1] - angles[0] > TWO_PI - 1e-9:
-        if angles[-2] == angles[-1]:
-            table = table[:, :-1]
-        end = table[:, -1]
-    else:
-        end = table[:, 0] + climb
-    if angles[1] == angles[0] or angles[-1] - angles[0] > TWO_PI - 1e-9:
-        table = table[:, table[0] < table[0, 0] + TWO_PI - 1e-9]
+    inner = angles < angles[0] + TWO_PI - 1e-9
+    doubled = bool(angles[1] == angles[0])
+    end = table[:, 0] + climb
+    if not inner[-1] and not doubled:
+        end = table[:, np.argmin(inner)]
+    elif not inner[-1] and abs(values[-1] - end[1]) > 1e-9:
+        raise InvalidInput(
+            f"the end point holds {values[-1]:g}, the left entry of its angle {end[1]:g}"
+        )
+    table = table[:, inner][:, int(doubled) :]
     end[0] = table[0, 0] + TWO_PI
     gap = np.abs(end - table[:, 0] - climb)
     smooth = bool(gap[1] <= 1e-12 * (1.0 + abs(end[1])) and (slopes is None or gap[2] <= 1e-9))
-    closed = smooth and angles[1] != angles[0]
-    return np.column_stack([table, end]), closed
+    return np.column_stack([table, end]), smooth and not doubled
 
 
 def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) -> Array:
@@ -263,31 +257,55 @@ _SAME_DIFFERENCE = 1e-6  # the same where a slope comes from differences
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One branch on [start, end], radians, ``shift`` turns ahead of where it lies in [0, 2π).
-
-    lift, scalar : its values, of arrays and of one float.
-    slopes : F' at angles of the branch and a bound on its error.
-    """
+    """One branch on [start, end], radians, ``shift`` turns ahead of where it lies in [0, 2π)."""
 
     start: float
     end: float
-    lift: Lift
-    slopes: SlopesAndErrors
-    scalar: Scalar
+    lift: MadeLift
     shift: float = 0.0
-
-    @property
-    def ends(self) -> Array:
-        """Start and end, shape (2,)."""
-        return np.array([self.start, self.end])
-
-    def derivative(self, theta: Array) -> Array:
-        """F' at angles of the branch."""
-        return self.slopes(theta)[0]
 
 
 @dataclass(frozen=True, eq=False)
-class BranchedLift:
+class Level(MadeLift):
+    """A constant, radians."""
+
+    value: float
+
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta``, radians."""
+        return np.full_like(theta, self.value)
+
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """Nothing, exactly."""
+        return np.zeros_like(theta), np.zeros_like(theta)
+
+    def scalar(self) -> Scalar:
+        """The same number for any."""
+        return lambda _: self.value
+
+
+@dataclass(frozen=True, eq=False)
+class GivenBranch(MadeLift):
+    """A function that was given for [start, end] only, with its slope or None for differences."""
+
+    lift: Lift
+    slope: Lift | None
+    start: float
+    end: float
+
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta``, radians."""
+        return self.lift(theta)
+
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """Its slope, told from inside the interval, and a bound on the slope's error."""
+        if self.slope is None:
+            return differences_between(self.lift, theta, theta - self.start, self.end - theta)
+        return with_rounding(self.slope(theta))
+
+
+@dataclass(frozen=True, eq=False)
+class BranchedLift(MadeLift):
     """The lift made of ``pieces`` in order on [0, 2π): piece i starts at ``starts[i]``, the first
     at 0.
     """
@@ -295,24 +313,21 @@ class BranchedLift:
     starts: Array
     pieces: tuple[Piece, ...]
     degree: int
+    has_scalar = True
 
     def __call__(self, theta: Array) -> Array:
-        """The lift at ``theta`` (radians, any shape)."""
+        """The lift at ``theta``, radians."""
         values = np.empty(np.shape(theta))
         for piece, own, turns, here in self._parts(theta):
             values[here] = piece.lift(own) + (TWO_PI * self.degree) * (turns - piece.shift)
         return values
 
-    def derivative(self, theta: Array) -> Array:
-        """Its slope; at a seam the one from the right."""
-        return self.derivative_and_error(theta)[0]
-
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
-        """Its slope and a bound on the slope's error."""
+        """Its slope, at a seam the one from the right, and a bound on the slope's error."""
         slope = np.empty(np.shape(theta))
         error = np.empty(np.shape(theta))
         for piece, own, _, here in self._parts(theta):
-            slope[here], error[here] = piece.slopes(own)
+            slope[here], error[here] = piece.lift.derivative_and_error(own)
         return slope, error
 
     def _parts(self, theta: Array) -> Iterator[tuple[Piece, Array, Array, Mask]]:
@@ -332,7 +347,7 @@ class BranchedLift:
         starts = self.starts.tolist()
         climb = TWO_PI * self.degree
         rows = [
-            (piece.scalar, TWO_PI * piece.shift, piece.start, piece.end, climb * piece.shift)
+            (piece.lift.scalar(), TWO_PI * piece.shift, piece.start, piece.end, climb * piece.shift)
             for piece in self.pieces
         ]
 
@@ -353,24 +368,28 @@ def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]
         raise InvalidInput(
             f"branches is {branches!r}: give a list of (start, end, lift, derivative), at least one"
         )
-    pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
+    pieces = [_piece(index, branch) for index, branch in enumerate(branches)]
     _refuse_gaps(pieces)
-    # On [0, 2π) the branch that runs over 2π serves both at its end and at its start.
+    exact = np.array([derivative is not None for _, _, _, derivative in branches])
+    seams = base_angles(np.array([piece.start for piece in pieces]))
+    return on_base_turn(pieces, degree), seams[_differing(pieces, exact, degree)]
+
+
+def on_base_turn(pieces: list[Piece], degree: int) -> BranchedLift:
+    """The lift made of pieces of one turn, in order, each starting where the one before ends."""
     given = np.array([piece.start for piece in pieces])
     seams = base_angles(given)
+    shift = np.round((given - seams) / TWO_PI)
     order = np.argsort(seams, kind="stable")
     starts = seams[order]
-    shift = np.round((given - seams) / TWO_PI)
-    placed = [replace(pieces[i], shift=float(shift[i])) for i in order]
-    if starts[0] > 0.0:
+    placed = [replace(pieces[index], shift=float(shift[index])) for index in order]
+    if starts[0] > 0.0:  # the one that runs over 2π serves both at its end and at its start
         starts = np.append(0.0, starts)
         placed.insert(0, replace(placed[-1], shift=placed[-1].shift + 1.0))
-    exact = np.array([derivative is not None for _, _, _, derivative in branches])
-    breaks = seams[_differing(pieces, exact, degree)]
-    return BranchedLift(starts, tuple(placed), degree), breaks
+    return BranchedLift(starts, tuple(placed), degree)
 
 
-def _refuse_gaps(pieces: tuple[Piece, ...]) -> None:
+def _refuse_gaps(pieces: list[Piece]) -> None:
     for i, (before, after) in enumerate(pairwise(pieces), 1):
         gap = after.start - before.end
         if abs(gap) > SNAP:
@@ -406,23 +425,20 @@ def _piece(index: int, branch: Any) -> Piece:
             "start"
         )
 
-    def slopes(theta: Array) -> tuple[Array, Array]:
-        if derivative is None:
-            return differences_between(lift, theta, theta - first, last - theta)
-        return with_rounding(derivative(theta))
-
-    piece = Piece(first, last, lift, slopes, lambda theta: float(lift(np.asarray(theta))))
+    made = GivenBranch(lift, derivative, first, last)
+    ends = np.array([first, last])
     with np.errstate(all="ignore"):
-        checked_call(f"lift of branch {index}", lift, piece.ends)
-        checked_call(f"derivative of branch {index}", derivative or piece.derivative, piece.ends)
-    return piece
+        checked_call(f"lift of branch {index}", lift, ends)
+        checked_call(f"derivative of branch {index}", made.derivative, ends)
+    return Piece(first, last, made)
 
 
-def _differing(pieces: tuple[Piece, ...], exact: Mask, degree: int) -> Mask:
+def _differing(pieces: list[Piece], exact: Mask, degree: int) -> Mask:
     """Whether value or slope differ at the start of each branch from those at the end of the one
     before; ``exact`` where the slopes are no differences.
     """
-    ends = np.array([[piece.lift(piece.ends), piece.derivative(piece.ends)] for piece in pieces])
+    edges = [(piece.lift, np.array([piece.start, piece.end])) for piece in pieces]
+    ends = np.array([[lift(edge), lift.derivative(edge)] for lift, edge in edges])
     after = ends[:, :, 0]
     before = np.roll(ends[:, :, 1], 1, axis=0)
     before[0, 0] -= TWO_PI * degree

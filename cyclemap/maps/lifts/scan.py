@@ -67,6 +67,14 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
     return answer
 
 
+def root_between(function: Callable[[float], float], low: float, high: float) -> float:
+    """The same of one function in one bracket."""
+    [root] = bracketed_root(
+        lambda x, _: np.array([function(float(x[0]))]), np.array([low]), np.array([high])
+    )
+    return float(root)
+
+
 def _nearer_to_zero(bracket: Array) -> Array:
     a, b, fa, fb = bracket
     return np.asarray(np.where(np.abs(fa) < np.abs(fb), a, b))
@@ -285,24 +293,28 @@ def ranks(count: Whole) -> Whole:
     return np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
 
 
-def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
-    latest = marks
-    for _ in range(period - 1 if marks.size else 0):
+def pulled_back(
+    circle_map: CircleMap, once: Cells, marks: Array, levels: Array, cycles: int
+) -> Array:
+    """``marks`` and the preimages of ``levels`` up to so many cycles back, in [0, 2π), sorted; of
+    those that lie together the one given first.
+
+    once : cells of F itself.
+    """
+    for _ in range(cycles):
+        if levels.size == 0:
+            break
         known = marks
-        angles = np.append(known, np.mod(preimages(circle_map, once, latest), TWO_PI))
-        # Sorted; of those that lie together the one given first.
+        angles = np.append(known, np.mod(preimages(circle_map, once, levels), TWO_PI))
         angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
         order = np.argsort(angles, kind="stable")
-        fresh = np.flatnonzero(np.append(True, np.diff(angles[order]) > 8.0 * INSET))
-        marks = angles[np.minimum.reduceat(order, fresh)]
-        latest = np.setdiff1d(marks, known)
-        if latest.size == 0:
-            break
-        if marks.size > MAX_CELLS // 8:
+        fresh = np.flatnonzero(np.diff(angles[order], prepend=-1.0) > 8.0 * INSET)
+        if fresh.size > MAX_CELLS // 8:
             raise ConvergenceError(
-                f"period {period} has more than {marks.size} breaks or folds: ask for a shorter "
-                "period"
+                f"the iterate has more than {fresh.size} breaks or folds: ask for a shorter period"
             )
+        marks = angles[np.minimum.reduceat(order, fresh)]
+        levels = np.setdiff1d(marks, known)
     return marks
 
 
@@ -318,9 +330,10 @@ def _first_nodes(
         once = monotone_cells(circle_map, 1, 0.0, resolution)
         rising = is_rising(once)
         narrow = once.end - once.start < _NARROW * TWO_PI / resolution
-        breaks = _pulled_back(circle_map, once, breaks, period)
+        breaks = pulled_back(circle_map, once, breaks, breaks, period - 1)
         special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
-        features = np.append(_pulled_back(circle_map, once, special, period), features)
+        pulled = pulled_back(circle_map, once, special, special, period - 1)
+        features = np.append(pulled, features)
     grid = np.linspace(0.0, TWO_PI, resolution + 1)
     knots = circle_map.pieces.knots if circle_map.pieces is not None else np.zeros(0)
     smooth = np.unique(np.concatenate([grid, knots, features]))

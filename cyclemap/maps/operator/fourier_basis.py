@@ -4,21 +4,21 @@ them.
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.wave_integrals import wave_integrals
-from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.quadrature import Rule, arc_rule
 
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications of plain sums: how fine a map may be for its noise
@@ -30,68 +30,14 @@ Complex = npt.NDArray[np.complex128]
 Waves = tuple[slice, Array]
 
 
-class Discretisation(Protocol):
-    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix
-    on it.
-
-    Laws are coefficients c of densities p(θ) = Σ_j c_j φ_j(θ), per radian.
-    """
-
-    @property
-    def map(self) -> CircleMap:
-        """F."""
-
-    @property
-    def noise(self) -> Noise | None:
-        """ξ; None for none."""
-
-    @property
-    def size(self) -> int:
-        """n."""
-
-    @property
-    def left_out(self) -> float:
-        """A bound on what one cycle makes of functions beyond the basis;
-        inf where there is none."""
-
-    @property
-    def mass(self) -> Array:
-        """(n,): the integral of every basis function."""
-
-    @property
-    def uniform(self) -> Array:
-        """(n,): the density 1/2π."""
-
-    @property
-    def matrix(self) -> Array:
-        """(n, n): the coefficients after one cycle from those before."""
-
-    @property
-    def rule(self) -> tuple[Array, Array]:
-        """Nodes and weights over one turn for integrals of a law."""
-
-    def moments(self, order: int) -> Complex:
-        """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
-
-    def cycle(self, law: Array) -> Array:
-        """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
-
-    def refined(self) -> Self:
-        """A finer basis, for errors."""
-
-
 def needed_modes(noise: Noise) -> int:
     """Fourier modes beyond which the noise's coefficients add up to less than 1e-17; InvalidInput
     beyond 2000.
     """
     if noise.tail(MAX_MODES) > NEGLIGIBLE:
         raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
-    few = 0
-    enough = MAX_MODES
-    while enough - few > 1:
-        middle = (few + enough) // 2
-        few, enough = (few, middle) if noise.tail(middle) <= NEGLIGIBLE else (middle, enough)
-    return enough
+    counts = range(1, MAX_MODES + 1)
+    return counts[bisect_left(counts, True, key=lambda modes: noise.tail(modes) <= NEGLIGIBLE)]
 
 
 def waves(theta: Array, modes: int) -> Array:
@@ -122,9 +68,11 @@ class WavesInBlocks:
     def __iter__(self) -> Iterator[Waves]:
         step = max(64, _ENTRIES // (2 * self.modes + 1))
         if self.angles.size <= step:
-            return iter([self._only_block])
-        parts = (slice(at, at + step) for at in range(0, self.angles.size, step))
-        return ((stretch, waves(self.angles[stretch], self.modes)) for stretch in parts)
+            yield self._only_block
+            return
+        for first in range(0, self.angles.size, step):
+            stretch = slice(first, first + step)
+            yield stretch, waves(self.angles[stretch], self.modes)
 
     @cached_property
     def _only_block(self) -> Waves:
@@ -200,34 +148,26 @@ class FourierDiscretisation:
         return np.concatenate([[0.0], rising, rising])
 
     def evaluate(self, theta: Array) -> Array:
-        """(m, n): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
-        rows = waves(theta, self.modes)
-        rows *= self._scale[:, None]
-        return rows.T
+        """(n, m): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
+        return self._scale[:, None] * waves(theta, self.modes)
 
     def slope(self, theta: Array, law: Array) -> Array:
         """(m,): the derivative at the angles of the density with coefficients ``law``."""
         return self.dual(theta, self._turned_back(self._scale * law))
 
+    def mass_before(self, theta: Array, law: Array) -> Array:
+        """(m,): ∫ (p - 1/2π) up to each angle, but for a constant, p with coefficients ``law``."""
+        turned = self._turned_back(self._scale * law / np.maximum(self.order, 1.0) ** 2)
+        return -self.dual(theta, turned)
+
     def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
-        row = np.zeros(self.size, dtype=np.complex128)
-        if order == 0:
-            row[0] = 1.0
-        elif abs(order) <= self.modes:
-            row[abs(order)] = 1.0
-            row[self.modes + abs(order)] = 1j * np.sign(order)
-        return row
-
-    @property
-    def work(self) -> float:
-        """Multiplications that the plain sums of ``matrix`` take; ``wave_integrals`` does with
-        fewer.
-        """
-        return float(self.size) ** 2 * self.rule[0].size
+        phase = np.ones(self.size, dtype=np.complex128)
+        phase[self.modes + 1 :] = 1j * np.sign(order)
+        return np.where(self.order == abs(order), phase, 0.0)
 
     @cached_property
-    def rule(self) -> tuple[Array, Array]:
+    def rule(self) -> Rule:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as
         smooth as F.
         """
@@ -241,13 +181,14 @@ class FourierDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): κ_m ∫ (1, cos mF, sin mF) φ_k dθ; the first row keeps the mass exactly."""
-        if self.work > MAX_WORK:
-            raise ConvergenceError(
-                f"{self.modes} modes on {self.rule[0].size} nodes take {self.work:.2g} "
-                f"multiplications, more than {MAX_WORK:.2g}: the map has too fine a structure for "
-                "so small a noise; raise the noise"
-            )
         theta, weight = self.rule
+        work = float(self.size) ** 2 * theta.size
+        if work > MAX_WORK:
+            raise ConvergenceError(
+                f"{self.modes} modes on {theta.size} nodes take {work:.2g} multiplications, more "
+                f"than {MAX_WORK:.2g}: the map has too fine a structure for so small a noise; "
+                "raise the noise"
+            )
         matrix = wave_integrals(theta, weight, self.map(theta), self.modes)
         matrix *= self.kappa[:, None] * self._scale
         matrix[0] = self.mass
@@ -303,17 +244,10 @@ class FourierDiscretisation:
             self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer
         )
 
-    def padded(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
-        """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
-        stretch = np.split(coefficients, [1, coarse.modes + 1])
-        rest = np.zeros((self.modes - coarse.modes, *np.shape(coefficients)[1:]))
-        return np.concatenate([stretch[0], stretch[1], rest, stretch[2], rest])
-
-    def cut(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
-        """The coefficients of the modes that a ``coarse`` basis has too."""
-        return np.concatenate(
-            [coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]]
-        )
+    def places(self, coarse: FourierDiscretisation) -> Whole:
+        """Where the coefficients of a ``coarse`` basis, of no more modes, stand among these."""
+        modes = np.arange(coarse.modes)
+        return np.concatenate([[0], 1 + modes, 1 + self.modes + modes])
 
     def _turned_back(self, factors: Array) -> Array:
         """Factors (n,) or (n, k) of waves as those of their derivatives: cos → -m sin, sin → m cos.
@@ -337,3 +271,76 @@ class FourierDiscretisation:
 def _times(factors: Array, columns: Array) -> Array:
     """Row j of a vector or of columns, times factors[j]."""
     return (factors * columns.T).T
+
+
+# Cells of the grid that a node is spread over, at least twice as many cells as the waves need: what
+# the grid aliases is exp(-18π/√2) = 4e-18 of the nodes' weight.
+_SPREAD = 18
+_HALF = 0.5 * _SPREAD
+_BETA = math.pi * math.sqrt((1.5 * _HALF) ** 2 - 0.8)
+_TWO_PI_REST = 2.4492935982947064e-16  # 2π less its double
+_BLOCK = 64  # nodes and cells at most that are spread by one small matrix
+
+
+def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Array:
+    """Return ∫ (1, cos mF, sin mF) (1, cos kθ, sin kθ) dθ for m, k = 1 to `modes`, (2·modes + 1,
+    2·modes + 1).
+
+    theta : rad, in [0, 2π], nodes (n,) at any distances.
+    weight : their weights.
+    image : F there, rad.
+
+    Sums over uneven nodes by fast transforms (Dutt & Rokhlin 1993), nodes spread by the
+    Kaiser-Bessel window (Fessler & Sutton 2003): about n·modes multiplications, where the plain
+    sums take n·modes². Rounding is that of the nodes.
+    """
+    # A power of two, for fast transforms, and so many that a block of nodes does not meet itself
+    # around the circle.
+    cells = 1 << (max(4 * modes, _BLOCK) + 2 * _SPREAD - 1).bit_length()
+    gathered = np.zeros((cells, 2 * modes + 1))
+    for nodes, touched, spread in _blocks(theta, weight, cells):
+        gathered[touched] += spread @ waves(image[nodes], modes).T
+    # Of the window's transform, sinh(root) / root: by the difference from β, which rounding leaves
+    # alone.
+    bend = (_HALF * TWO_PI * np.arange(modes + 1) / cells) ** 2
+    root = np.sqrt(_BETA**2 - bend)
+    undone = np.i0(_BETA) / np.sinh(_BETA) / _SPREAD * root * np.exp(bend / (root + _BETA))
+    integrals = np.empty((2 * modes + 1, 2 * modes + 1))
+    for first in range(0, 2 * modes + 1, _BLOCK):
+        several = slice(first, first + _BLOCK)
+        along = undone[:, None] * np.fft.rfft(gathered[:, several], axis=0)[: modes + 1]
+        integrals[several] = np.concatenate([along.real, -along.imag[1:]]).T
+    return integrals
+
+
+def _blocks(theta: Array, weight: Array, cells: int) -> Iterator[tuple[Whole, Whole, Array]]:
+    """Of neighbouring nodes: which they are, the cells (c,) that they are spread over, and the
+    matrix (c, nodes) that spreads them.
+    """
+    first_cell, window = _windows(theta, weight, cells)
+    order = np.argsort(first_cell, kind="stable")
+    first_cell = first_cell[order]
+    first = 0
+    while first < theta.size:
+        last = int(np.searchsorted(first_cell, first_cell[first] + _BLOCK))
+        nodes = order[first : min(last, first + _BLOCK)]
+        across = first_cell[first : first + nodes.size] - first_cell[first]
+        spread = np.zeros((int(across[-1]) + _SPREAD, nodes.size))
+        for offset in range(_SPREAD):
+            spread[across + offset, np.arange(nodes.size)] = window[nodes, offset]
+        yield nodes, np.mod(first_cell[first] + np.arange(len(spread)), cells), spread
+        first += nodes.size
+
+
+def _windows(theta: Array, weight: Array, cells: int) -> tuple[Whole, Array]:
+    """The first of the cells that each node is spread over, and what of its weight each gets."""
+    # A cell in two parts, the first so short that its multiples are exact: nodes keep all their
+    # digits.
+    coarse = float(np.float32(TWO_PI / cells))
+    fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
+    nearest = np.rint(theta * (cells / TWO_PI))
+    place = ((theta - nearest * coarse) - nearest * fine) * (cells / TWO_PI)
+    reach = np.arange(_SPREAD) - (_SPREAD // 2 - 1) - (place < 0.0)[:, None]
+    across = 1.0 - ((reach - place[:, None]) / _HALF) ** 2
+    window = np.i0(_BETA * np.sqrt(np.maximum(across, 0.0))) * (weight / np.i0(_BETA))[:, None]
+    return np.mod(nearest.astype(int) + reach[:, 0], cells), window

@@ -24,7 +24,8 @@ _FASTER = (
 _VERTEX = (
     1e-9  # of the eigenfunctions at a vertex: where a flat maximum lies is known to 1e-7 radians
 )
-_ZOOMS = 4  # times that a vertex is sought on points 16 times as near
+_GRID = 16  # points a mode on which sets are told apart
+_ZOOMS = 4  # times that a vertex is sought on the grid, and on points 16 times as near
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,42 +71,79 @@ class SlowChain:
     """
 
     basis: FourierDiscretisation
+    grid: Array  # of angles, even
     values: Array  # (m,)
     left: Array  # (n, m)
     weight: Array  # (m, m)
 
-    def eigenfunctions(self, theta: Array) -> Array:
-        """(points, m): every z_k at the angles, one backward step from its coefficients."""
-        return self.basis.backward(theta, self.left) / self.values
+    def chances(self, theta: Array) -> Array:
+        """(points, m): every χ_i at the angles, one backward step from its coefficients."""
+        return self.basis.backward(theta, self.left) / self.values @ self.weight
 
-    @property
-    def leaving(self) -> Array:
-        """(m, m): I - Q; the chance of leaving a state stands on the diagonal."""
-        return np.linalg.inv(self.weight) * (1.0 - self.values) @ self.weight
-
-    def arcs(self, grid: Array) -> list[Array]:
+    def arcs(self) -> list[Array]:
         """For each state the arcs (start, end) on which its χ is the largest, found between points
-        of an even grid.
+        of the grid.
         """
-        owner = np.argmax(self.eigenfunctions(grid) @ self.weight, axis=1)
+        owner = np.argmax(self.chances(self.grid), axis=1)
         last = np.flatnonzero(owner != np.roll(owner, -1))
         before = owner[last]
         after = np.roll(owner, -1)[last]
 
         def lead(theta: Array, index: Whole) -> Array:
-            chances = self.eigenfunctions(theta) @ self.weight
+            chances = self.chances(theta)
             rows = np.arange(index.size)
             return np.asarray(chances[rows, before[index]] - chances[rows, after[index]])
 
-        ends = bracketed_root(lead, grid[last], grid[last] + grid[1])
+        ends = bracketed_root(lead, self.grid[last], self.grid[last] + self.grid[1])
         starts = np.roll(ends, 1) - TWO_PI * (np.arange(ends.size) == 0)
-        turns = TWO_PI * np.floor(starts / TWO_PI)
-        arcs = np.stack([starts - turns, ends - turns], axis=1)
-        arcs, state = arcs[np.argsort(arcs[:, 0])], before[np.argsort(arcs[:, 0])]
-        return [read_only(arcs[state == index]) for index in range(self.values.size)]
+        arcs = np.stack([starts, ends], axis=1) - TWO_PI * np.floor(starts / TWO_PI)[:, None]
+        order = np.argsort(arcs[:, 0])
+        return [read_only(arcs[order[before[order] == index]]) for index in range(self.values.size)]
+
+    def leaving(self, spectrum: Spectrum) -> list[Estimate]:
+        """For each state the chance a cycle of leaving it, the diagonal of I - Q.
+
+        With first-order bounds on the errors, the map's ``max_error`` ε included. Of λ: its bound
+        in the spectrum; of Λ as a matrix ε ∫|p_j||∂E z_k(F + ξ)/∂F|, p_j the right eigenfunctions.
+        Of an eigenfunction: ε max|∂E z_k(F + ξ)/∂F|, what one more backward step leaves of E z_k(F
+        + ξ) - λ_k z_k (on the grid), the functions that the basis has not, rounding and the
+        eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j| over the fast j, for what lies in the
+        span of the slow ones moves nothing: measured.
+        """
+        back = np.linalg.inv(self.weight)
+        leaving = back * (1.0 - self.values) @ self.weight
+        coupling, left_over, vector_errors = self._errors(spectrum)
+        size = np.abs(self.weight)
+        with np.errstate(invalid="ignore"):
+            moved = np.abs(back) @ coupling + left_over + vector_errors * (1.0 - self.values)
+            errors = np.diag(moved @ size) + np.abs(leaving).sum(axis=1) * (vector_errors @ size)
+        # An eigenvalue without a bound leaves every state without: inf times 0 is nan.
+        errors = np.where(np.isnan(errors), np.inf, errors)
+        return [Estimate(*pair) for pair in zip(np.diag(leaving), errors, strict=True)]
+
+    def _errors(self, spectrum: Spectrum) -> tuple[Array, Array, Array]:
+        """Of Λ (m, m), of what one backward step leaves (m,), and of the eigenfunctions (m,)."""
+        basis = self.basis
+        count = self.values.size
+        bounds = spectrum.error_bounds[:count]
+        change = basis.matrix.T @ self.left - self.left * self.values
+        largest = np.abs(basis.dual(self.grid, self.left)).max(axis=0)
+        left_over = np.abs(basis.backward(self.grid, change) / self.values).max(axis=0) + bounds
+        left_over += largest * (basis.left_out + MATRIX * basis.size)
+        coupling = np.diag(bounds)
+        steepest = np.zeros(count)
+        epsilon = basis.map.max_error
+        if epsilon > 0.0:
+            slopes = np.abs(basis.expected_slope(self.left))
+            masses = np.abs(basis.on_nodes(spectrum.right[:, :count].real)) * basis.rule[1][:, None]
+            coupling = coupling + epsilon * (masses.T @ slopes)
+            steepest = epsilon * slopes.max(axis=0)
+        apart = np.abs(spectrum.values[count:] - self.values[:, None])
+        growth = np.sum(spectrum.condition[count:] / apart, axis=1)
+        return coupling, left_over, _VERTEX + 2.0 * (left_over + steepest) * growth
 
 
-def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) -> SlowChain | None:
+def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum) -> SlowChain | None:
     """The chain of the slow states; None where no departure from the stationary law is slow.
 
     Slow are eigenvalues at the head of the spectrum, all real and positive, whose departures take
@@ -115,35 +153,41 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
     with np.errstate(divide="ignore"):
         times = -1.0 / np.log(np.minimum(np.abs(spectrum.values), 1.0 - EPS))
     real = (np.abs(spectrum.values.imag) < _REAL) & (spectrum.values.real > 0.0)
-    count = min(int(np.argmin(np.append(real, False))), times.size - 1)
-    slow = [m for m in range(2, count + 1) if times[m - 1] >= max(_SLOW, _FASTER * times[m])]
+    most = min(int(np.argmin(np.append(real, False))), times.size - 1)
+    slow = [m for m in range(2, most + 1) if times[m - 1] >= max(_SLOW, _FASTER * times[m])]
     if not slow:
         return None
-    values = spectrum.values[: slow[-1]].real
-    complex_left = spectrum.left[:, : slow[-1]]
+    count = slow[-1]
+    values = spectrum.values[:count].real
     # Vectors of real eigenvalues, each turned so that its largest entry is real.
-    largest = complex_left[np.argmax(np.abs(complex_left), axis=0), np.arange(slow[-1])]
-    left = (complex_left * np.conj(largest) / np.abs(largest)).real
+    left = spectrum.left[:, :count]
+    largest = left[np.argmax(np.abs(left), axis=0), np.arange(count)]
+    left = (left * np.conj(largest) / np.abs(largest)).real
     left[:, 0] = basis.mass
+    grid = TWO_PI * np.arange(_GRID * basis.modes) / (_GRID * basis.modes)
+    return SlowChain(basis, grid, values, left, _weight(basis, grid, values, left))
+
+
+def _weight(basis: FourierDiscretisation, grid: Array, values: Array, left: Array) -> Array:
+    """(m, m): of the combinations of the eigenfunctions that are 1 at their own vertex.
+
+    A vertex is where the chance of being in its own state is the largest: on the grid, then nearer
+    and nearer.
+    """
     functions = basis.backward(grid, left) / values
-    chosen = _simplex_vertices(functions)
-    # Each where the chance of being in its own state is the largest: on the grid, then nearer and
-    # nearer.
-    states = np.arange(slow[-1])
-    vertices = grid[chosen]
-    step = grid[1]
-    weight = np.linalg.inv(functions[chosen])
-    for zoom in range(-_ZOOMS, _ZOOMS):
-        if zoom < 0:
-            vertices = grid[np.argmax(functions @ weight, axis=0)]
-        else:
-            nearby = vertices[:, None] + step * 16.0**-zoom * np.linspace(-1.0, 1.0, 33)
-            chances = (basis.backward(nearby.ravel(), left) / values) @ weight
-            vertices = nearby[
-                states, np.argmax(chances.reshape(*nearby.shape, -1)[states, :, states], axis=1)
-            ]
-        weight = np.linalg.inv(basis.backward(vertices, left) / values)
-    return SlowChain(basis, values, left, np.asarray(weight, dtype=np.float64))
+    weight = np.linalg.inv(functions[_simplex_vertices(functions)])
+    for _ in range(_ZOOMS):
+        vertices = np.argmax(functions @ weight, axis=0)
+        weight = np.linalg.inv(functions[vertices])
+    states = np.arange(values.size)
+    places = grid[vertices]
+    for zoom in range(_ZOOMS):
+        nearby = places[:, None] + grid[1] * 16.0**-zoom * np.linspace(-1.0, 1.0, 33)
+        around = (basis.backward(nearby.ravel(), left) / values).reshape(*nearby.shape, -1)
+        nearest = np.argmax((around @ weight)[states, :, states], axis=1)
+        places = nearby[states, nearest]
+        weight = np.linalg.inv(around[states, nearest])
+    return np.asarray(weight, dtype=np.float64)
 
 
 def _simplex_vertices(points: Array) -> list[int]:
@@ -158,43 +202,3 @@ def _simplex_vertices(points: Array) -> list[int]:
         along = rest[chosen[-1]] / np.linalg.norm(rest[chosen[-1]])
         rest = rest - np.multiply.outer(rest @ along, along)
     return chosen
-
-
-def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
-    """(m,): first-order bounds on the errors of ``chain.leaving``'s diagonal, the map's
-    ``max_error`` included.
-
-    Of λ: its bound in the spectrum; of Λ as a matrix ε ∫|p_j||∂E z_k(F + ξ)/∂F|, p_j the right
-    eigenfunctions. Of an eigenfunction: ε max|∂E z_k(F + ξ)/∂F|, what one more backward step leaves
-    of E z_k(F + ξ) - λ_k z_k (on the grid), the functions that the basis has not, rounding and the
-    eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j| over the fast j, for what lies in the
-    span of the slow ones moves nothing: measured.
-    """
-    basis = chain.basis
-    count = chain.values.size
-    change = (
-        basis.backward(grid, basis.matrix.T @ chain.left - chain.left * chain.values) / chain.values
-    )
-    largest = np.abs(basis.dual(grid, chain.left)).max(axis=0)
-    left_over = np.abs(change).max(axis=0) + largest * (basis.left_out + MATRIX * basis.size)
-    left_over += spectrum.error_bounds[:count]
-    coupling = np.diag(spectrum.error_bounds[:count])
-    steepest = np.zeros(count)
-    if basis.map.max_error > 0.0:
-        slopes = np.stack([np.abs(basis.expected_slope(dual)) for dual in chain.left.T], axis=1)
-        masses = np.abs(basis.on_nodes(spectrum.right[:, :count].real)) * basis.rule[1][:, None]
-        coupling = coupling + basis.map.max_error * (masses.T @ slopes)
-        steepest = basis.map.max_error * slopes.max(axis=0)
-    apart = np.abs(spectrum.values[count:] - chain.values[:, None])
-    vector_errors = _VERTEX + 2.0 * (left_over + steepest) * np.sum(
-        spectrum.condition[count:] / apart, axis=1
-    )
-    if not np.all(np.isfinite(vector_errors)):
-        # An eigenvalue without a bound leaves every state without: inf times 0 would be nan.
-        return np.full(count, np.inf)
-    size = np.abs(chain.weight)
-    moved = np.abs(np.linalg.inv(chain.weight)) @ coupling
-    moved += left_over + vector_errors * (1.0 - chain.values)
-    return np.asarray(
-        np.diag(moved @ size) + np.abs(chain.leaving).sum(axis=1) * (vector_errors @ size)
-    )

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -16,16 +15,65 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
-from cyclemap.maps.lifts.circle_map import require_degree_one
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
-from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
+from cyclemap.maps.quadrature import Rule
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 _POINTS = 8  # grid points a basis function
 _NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
 
-Rule = tuple[Array, Array]
+
+class Discretisation(Protocol):
+    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix
+    on it.
+
+    Laws are coefficients c of densities p(θ) = Σ_j c_j φ_j(θ), per radian.
+    """
+
+    @property
+    def map(self) -> CircleMap:
+        """F."""
+
+    @property
+    def noise(self) -> Noise | None:
+        """ξ; None for none."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+
+    @property
+    def left_out(self) -> float:
+        """A bound on what one cycle makes of functions beyond the basis;
+        inf where there is none."""
+
+    @property
+    def mass(self) -> Array:
+        """(n,): the integral of every basis function."""
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): the density 1/2π."""
+
+    @property
+    def matrix(self) -> Array:
+        """(n, n): the coefficients after one cycle from those before."""
+
+    @property
+    def rule(self) -> Rule:
+        """Nodes and weights over one turn for integrals of a law."""
+
+    def moments(self, order: int) -> Complex:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
+
+    def cycle(self, law: Array) -> Array:
+        """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
+
+    def refined(self) -> Self:
+        """A finer basis, for errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +137,13 @@ class StationaryLaw:
         """The density per radian at angles, shape (m,)."""
         raise NotImplementedError
 
+    def diffusion(self) -> Estimate:
+        """Refused, where there is no way to compute it: InvalidInput."""
+        raise InvalidInput(
+            f"the noise is {self.basis.noise!r}: a diffusion constant is computed for "
+            "WrappedNormal; else sample_staircases tells how paths spread"
+        )
+
     def refined(self) -> Self:
         """The same on a finer basis."""
         return replace(self, basis=self.basis.refined())
@@ -109,6 +164,11 @@ class FourierLaw(StationaryLaw):
         """The density per radian at angles, shape (m,)."""
         return self.basis.density(theta, self.coefficients)
 
+    @cached_property
+    def masses(self) -> Array:
+        """What the nodes of the basis's rule have of it: weights times the density there."""
+        return self.basis.rule[1] * self.basis.on_nodes(self.coefficients)
+
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
         return self.basis.slope(theta, self.coefficients)
@@ -128,10 +188,14 @@ class FourierLaw(StationaryLaw):
         basis = self.basis
         law = self.coefficients
         fine = basis.refined()
-        density = fine.on_nodes(fine.padded(law, basis))
-        defect = fine.carried(density) - fine.padded(law, basis)
+        kept = fine.places(basis)
+        padded = np.zeros(fine.size)
+        padded[kept] = law
+        density = fine.on_nodes(padded)
+        defect = fine.carried(density) - padded
         once = fine.cycle(defect)
-        resolved = fine.padded(self._solve(fine.cut(once, basis)), basis)
+        resolved = np.zeros(fine.size)
+        resolved[kept] = self._solve(once[kept])
         correction = defect + once + fine.cycle(resolved)
         left = float(np.sum(np.abs(fine.cycle(correction) - correction + defect)))
         # And Σ over m > modes of |E e^{imθ}| after one cycle (proved), with an allowance for
@@ -141,9 +205,14 @@ class FourierLaw(StationaryLaw):
         growth = 1.0 + self._growth
         return fine, correction, left, growth * left / np.pi
 
-    @cached_property
+    @property
     def density_error(self) -> float:
-        """Bound on sup|p - p̃|, per radian: on a grid so fine that Bernstein's inequality leaves 2
+        """Bound on sup|p - p̃|, per radian, the map's ``max_error`` included."""
+        return self._own_error + float(np.max(self._map_errors))
+
+    @cached_property
+    def _own_error(self) -> float:
+        """Bound on sup|p - p̃| for this map: on a grid so fine that Bernstein's inequality leaves 2
         %.
         """
         basis, correction, _, remainder = self.error
@@ -164,41 +233,39 @@ class FourierLaw(StationaryLaw):
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
         error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
-        error += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
-        return error + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
+        for bound in self._map_error, self._dual_bound:
+            error += float(np.hypot(bound(row.real), bound(row.imag)))
+        return error
 
-    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
+    def _map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
         ``max_error``.
 
         ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E
         z(F + ξ) in F, and ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
         """
-        basis = self.basis
         epsilon = self.basis.map.max_error
         if epsilon == 0.0:
             return 0.0
-        _, weight = basis.rule
-        dual = self.dual(moments)
-        mass = weight * np.abs(basis.on_nodes(self.coefficients))
-        return epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))
+        slope = direct + self.basis.expected_slope(self.dual(moments))
+        return epsilon * float(np.dot(np.abs(self.masses), np.abs(slope)))
 
     @cached_property
-    def density_map_error(self) -> Array:
+    def _map_errors(self) -> Array:
         """First-order bounds on the change of the density, per radian, when F is off by up to
         ``max_error``.
 
         ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
         """
         basis = self.basis
-        epsilon = self.basis.map.max_error
+        epsilon = basis.map.max_error
         if epsilon == 0.0:
             return np.zeros(1)
         where = TWO_PI * np.arange(basis.modes) / basis.modes
-        theta, weight = basis.rule
-        mass = weight * np.abs(basis.on_nodes(self.coefficients))
+        mass: Array = np.abs(self.masses)
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
-        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where).T), at=theta[held]))
+        at = basis.rule[0][held]
+        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where)), at))
         return epsilon * (mass[held] @ slopes)
 
     def expectation(
@@ -228,29 +295,24 @@ class FourierLaw(StationaryLaw):
         bound += abs(float(np.dot(weight * values, fine.density(theta, correction))))
         moments = basis.integrals(theta, weight * values)
         bound += self._dual_bound(moments)
-        return Estimate(value, bound + self.map_error(moments, direct))
+        return Estimate(value, bound + self._map_error(moments, direct))
 
     def distance_from_uniform(self) -> Estimate:
         """½∫|p - 1/2π|, cut where the density crosses the uniform one; 0 where it cannot be told
         from it.
         """
         grid, values = self.grid
-        known = np.pi * (self.density_error + float(np.mean(self.density_map_error))) + INTEGRAL
-        farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
-        if farthest <= 4.0 * (self.density_error + np.max(self.density_map_error)):
-            return Estimate(0.0, min(1.0, known + np.pi * farthest))
+        known = np.pi * (self._own_error + float(np.mean(self._map_errors))) + INTEGRAL
         excess = values - 0.5 / np.pi
+        farthest = float(np.max(np.abs(excess)))
+        if farthest <= 4.0 * self.density_error:
+            return Estimate(0.0, min(1.0, known + np.pi * farthest))
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
         crossings = np.sort(
             bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1])
         )
-        ends = np.append(crossings, crossings[0] + TWO_PI).tolist()
-        basis = self.basis
-        total = 0.0
-        for start, end in pairwise(ends):
-            if end > start:
-                theta, weight = arc_rule(basis.map, start, end, basis.modes, every_sample=False)
-                total += abs(float(weight @ (self.density(theta) - 0.5 / np.pi)))
+        below = self.basis.mass_before(crossings, self.coefficients)
+        total = float(np.sum(np.abs(np.diff(below, append=below[:1]))))
         return Estimate(0.5 * total, min(1.0, known))
 
     def diffusion(self) -> Estimate:
@@ -270,13 +332,10 @@ class FourierLaw(StationaryLaw):
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
         if basis.noise.sigma is None:
-            raise InvalidInput(
-                f"the noise is {basis.noise!r}: a diffusion constant is computed for "
-                "WrappedNormal; else sample_staircases tells how paths spread"
-            )
+            return super().diffusion()
         theta, weight = basis.rule
         turn = basis.map.turn(theta)
-        mass = weight * basis.on_nodes(self.coefficients)
+        mass = self.masses
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
         later = basis.backward(theta, dual)  # Pz, but for a constant

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cyclemap.arrays import Array, Mask, Whole
-from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import MATRIX, Estimate
-from cyclemap.maps.operator.fourier_basis import Complex, Discretisation
+from cyclemap.maps.operator.fourier_basis import Complex
+from cyclemap.maps.operator.poisson_equation import Discretisation
 
 _DENSE = 320  # below this many unknowns all eigenvalues are computed at once
 _TOO_SMALL = 1e-6  # left vectors are not smoothed where that divides by less
@@ -18,10 +18,7 @@ _WELL_CONDITIONED = 1e3
 _TRUSTED = (
     1.0 / 16.0
 )  # of the distance to the next: a bound to first order up to there leaves out no second order
-_POWERS = 128
-_NO_ROWS = 1e-11  # rows that are no larger together are left out of powers
-_COLUMNS = 32  # random ones that show how large a power is
-_SURE = 4.0  # times their root mean square: a power is larger with a chance of 2e-14
+_SQUARINGS = 7  # of the powers that bound all eigenvalues
 _ENOUGH = 1.01  # times a lower bound: an upper one as near as that is not sought any lower
 _SPACE = 48  # vectors after which the residuals of an Arnoldi iteration are first looked at
 _CONVERGED = 1e-13  # residual that ends it
@@ -78,41 +75,47 @@ def leading_spectrum(
     """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer
     basis.
     """
+    values, right, left = _eigenvectors(basis, law, max(count - 1, 8))
+    with np.errstate(all="ignore"):
+        overlap = np.sum(left * right, axis=0)
+        left = left / overlap
+        condition = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+        condition[overlap == 0.0] = np.inf
+        apart = np.abs(values[:, None] - values)
+        good = condition <= _WELL_CONDITIONED
+        same = (apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))
+        bounds = _error_bounds(basis, finer, values, right, left, same)
+        bounds += MATRIX * condition * float(np.linalg.norm(basis.matrix))
+    # How far from each eigenvalue the nearest different one lies, 1 at most.
+    apart[same] = 1.0
+    trusted = bounds <= _TRUSTED * np.min(apart, axis=1, initial=1.0)
+    bounds[~trusted] = np.inf
+    bounds[0] = 0.0
+    return Spectrum(
+        values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count]
+    )
+
+
+def _eigenvectors(
+    basis: Discretisation, law: Array, count: int
+) -> tuple[Complex, Complex, Complex]:
+    """1 and the leading ``count`` other eigenvalues, their right and their left vectors."""
     deflated = _deflated(basis)
-    wanted = max(count - 1, 8)
     # More than wanted, so that no eigenvalue loses a copy at the end.
-    values, right = _leading(deflated, wanted + _COPIES)
-    left = _paired(values, right, *_leading(deflated.T, wanted + _COPIES))[:, :wanted]
-    values = values[:wanted]
-    right = right[:, :wanted]
+    values, right = _leading(deflated, count + _COPIES)
+    left = _paired(values, right, *_leading(deflated.T, count + _COPIES))[:, :count]
+    values = values[:count]
     # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them
     # away.
     kept = np.abs(values) > _TOO_SMALL
     left[:, kept] = deflated.T @ left[:, kept] / values[kept]
-    values = np.concatenate([[1.0 + 0.0j], values])
     # A left vector of the deflated matrix is one of L but for its share of the first, which is the
     # mass.
     left = left - np.multiply.outer(basis.mass, law @ left)
-    right = np.column_stack([law, right])
-    left = np.column_stack([basis.mass, left])
-    overlap = np.abs(np.sum(left * right, axis=0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        left = left / np.sum(left * right, axis=0)
-        condition = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
-    condition = np.where(overlap > 0.0, condition, np.inf)
-    apart = np.abs(values[:, None] - values)
-    good = condition <= _WELL_CONDITIONED
-    same = (apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))
-    with np.errstate(all="ignore"):
-        rounding = MATRIX * condition * float(np.linalg.norm(basis.matrix))
-        moved = _error_bounds(basis, finer, values, right, left, same)
-        bounds = np.nan_to_num(moved + rounding, nan=np.inf, posinf=np.inf)
-    # How far from each eigenvalue the nearest different one lies, 1 at most.
-    apart[same] = 1.0
-    bounds[bounds > _TRUSTED * np.min(apart, axis=1, initial=1.0)] = np.inf
-    bounds[0] = 0.0
-    return Spectrum(
-        values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count]
+    return (
+        np.append(1.0 + 0.0j, values),
+        np.column_stack([law, right[:, :count]]),
+        np.column_stack([basis.mass, left]),
     )
 
 
@@ -137,31 +140,23 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
 
 
 def _radius(basis: Discretisation, least: float) -> float:
-    """A bound on every eigenvalue but the first: the least ‖L₀ⁿ‖^(1/n), L₀ the operator without it.
+    """A bound on every eigenvalue but the first: the least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., L₀ the
+    operator without it.
 
-    The norms by what the powers make of random columns (Halko, Martinsson & Tropp 2011). What the
-    matrix and its products may be off, E, makes of the nth power at most n K² E more, K the largest
-    of the powers before.
+    Of a power that is off by E, the square is off by (2‖L₀ⁿ‖ + E) E and its own rounding.
     """
-    matrix = _deflated(basis)
-    # Rows of fast waves, all but silenced by the noise, are taken as 0: powers keep them so.
-    rows = np.linalg.norm(matrix, axis=1)
-    order = np.argsort(rows)
-    kept = np.sort(order[np.sqrt(np.cumsum(rows[order] ** 2)) > _NO_ROWS])
+    power = _deflated(basis)
+    size = float(np.linalg.norm(power))
     rounding = MATRIX * (4.0 + np.sqrt(basis.size))
-    off = float((rounding + basis.left_out) * (1.0 + np.linalg.norm(rows))) + _NO_ROWS
-    matrix = matrix[np.ix_(kept, kept)]
-    columns = np.random.default_rng(1).standard_normal((kept.size, _COLUMNS))
-    most = 1.0
-    largest = 1.0
-    for power in range(1, _POWERS + 1):
-        columns = matrix @ columns
-        size = _SURE * float(np.linalg.norm(columns)) / _COLUMNS**0.5
-        size += off * power * largest * largest
-        largest = max(largest, size)
-        most = min(most, size ** (1.0 / power))
+    off = float((rounding + basis.left_out) * (1.0 + size))
+    most = min(1.0, size + off)
+    for squaring in range(1, _SQUARINGS + 1):
         if most <= _ENOUGH * least:
             break
+        power = power @ power
+        off = (2.0 * size + off) * off + rounding * size**2
+        size = float(np.linalg.norm(power))
+        most = min(most, (size + off) ** (0.5**squaring))
     return most
 
 
@@ -185,56 +180,44 @@ def _falling(values: Complex) -> Whole:
 
 def _leading(matrix: Array, count: int) -> tuple[Complex, Complex]:
     """The leading eigenvalues and right vectors, in falling order: of a large matrix by Arnoldi's
-    iteration.
+    iteration (1951), residuals checked.
+
+    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
+    restarted: noise makes eigenvalues fall so fast that some hundred vectors do. It grows from two
+    v, for from one an eigenvalue is found once only.
     """
-    if matrix.shape[0] <= max(_DENSE, 2 * count + 10):
-        values, vectors = np.linalg.eig(matrix)
-    else:
-        values, vectors = _arnoldi(matrix, count)
+    size = matrix.shape[0]
+    begin = np.random.default_rng(1).standard_normal((size, _COPIES))
+    space = np.linalg.qr(begin)[0].T
+    ahead = space @ matrix.T
+    wanted = max(4 * count, _SPACE)
+    while size > _DENSE and 2 * wanted < size:
+        space, ahead = _grown(matrix, space, ahead, wanted)
+        values, inside = np.linalg.eig(space @ ahead.T)
+        inside = inside[:, _falling(values)[:count]]
+        values = values[_falling(values)[:count]]
+        vectors = space.T @ inside
+        if np.max(np.linalg.norm(ahead.T @ inside - vectors * values, axis=0)) <= _CONVERGED:
+            return values.astype(np.complex128), vectors.astype(np.complex128)
+        wanted *= 2
+    values, vectors = np.linalg.eig(matrix)
     order = _falling(values)[:count]
     return values[order].astype(np.complex128), vectors[:, order].astype(np.complex128)
 
 
-def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
-    """The leading eigenvalues and vectors by Arnoldi's iteration (1951), residuals checked.
-
-    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
-    restarted: noise makes eigenvalues fall so fast that some hundred vectors do, and those of a
-    whole basis end it at the latest. It grows from two v, for from one an eigenvalue is found once
-    only.
-    """
-    size = matrix.shape[0]
-    space = np.zeros((size + _COPIES, size))
-    shape = np.zeros((size + _COPIES, size))
-    begin = np.random.default_rng(1).standard_normal((size, _COPIES))
-    space[:_COPIES] = np.linalg.qr(begin)[0].T
-    reached = 0
-    goal = max(4 * count, _SPACE)
-    left = np.inf
-    while left > _CONVERGED and reached < size:
-        for step in range(reached, min(goal, size)):
-            ahead = matrix @ space[step]
-            known = space[: min(step + _COPIES, size)]
-            for _ in range(2):  # once leaves parts along the others, where much cancels
-                along = known @ ahead
-                ahead -= along @ known
-                shape[: along.size, step] += along
-            if along.size < size:
-                length = float(np.linalg.norm(ahead))
-                shape[along.size, step] = length
-                space[along.size] = ahead / max(length, np.finfo(float).tiny)
-        reached = min(goal, size)
-        goal = 2 * goal
-        ritz, inside = np.linalg.eig(shape[:reached, :reached])
-        leading = _falling(ritz)[:count]
-        outside = shape[reached : reached + _COPIES, :reached] @ inside[:, leading]
-        left = float(np.max(np.linalg.norm(outside, axis=0)))
-    values = ritz[leading]
-    vectors = space[:reached].T @ inside[:, leading]
-    residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
-    if residual > 1e-8:
-        raise ConvergenceError(f"eigenvalues left a residual of {residual:.2g}: raise the noise")
-    return values, vectors
+def _grown(matrix: Array, space: Array, ahead: Array, wanted: int) -> tuple[Array, Array]:
+    """An orthonormal space, as rows, with more vectors of L, L², ..., and L times each."""
+    vectors = np.concatenate([space, np.empty((wanted - len(space), len(matrix)))])
+    carried = np.concatenate([ahead, np.empty_like(vectors[len(space) :])])
+    for known in range(len(space), wanted, _COPIES):
+        new = slice(known, known + _COPIES)
+        latest = carried[known - _COPIES : known]
+        for _ in range(2):  # once leaves parts along the others, where much cancels
+            latest = latest - latest @ vectors[:known].T @ vectors[:known]
+            latest = np.linalg.qr(latest.T)[0].T
+        vectors[new] = latest
+        carried[new] = latest @ matrix.T
+    return vectors, carried
 
 
 def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> Complex:

@@ -18,11 +18,11 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.cell_law import CellLaw, cell_law
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.metastability import MetastableSet, leaving_errors, slow_chain
-from cyclemap.maps.operator.poisson_equation import FourierLaw
+from cyclemap.maps.noise import Noise, require_noise
+from cyclemap.maps.operator.cells import CellLaw, cell_law
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, needed_modes
+from cyclemap.maps.operator.metastability import MetastableSet, slow_chain
+from cyclemap.maps.operator.poisson_equation import Discretisation, FourierLaw
 from cyclemap.maps.operator.spectrum import (
     Spectrum,
     leading_spectrum,
@@ -43,8 +43,7 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
     after = np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
     while tops.size:
-        spans = zip(tops, np.append(tops[1:], tops[0] + values.size), strict=True)
-        lows = np.array([np.min(np.take(values, range(a, b + 1), mode="wrap")) for a, b in spans])
+        lows = np.minimum.reduceat(np.roll(values, -tops[0]), tops - tops[0])
         height = values[tops] - np.maximum(lows, np.roll(lows, 1))
         least = int(np.argmin(height))
         if height[least] > margin:
@@ -60,7 +59,6 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
     return np.sort(np.where(at >= TWO_PI, 0.0, at))
 
 
-_GRID = 16  # grid points a mode on which sets are told apart
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
@@ -116,10 +114,8 @@ def transfer_operator(
     (0.3, 1.0)
     """
     require_map(circle_map)
-    if noise is not None and not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None"
-        )
+    if noise is not None:
+        require_noise(noise)
     if noise is None or noise.jump > 0.0:
         if modes is not None:
             raise InvalidInput(
@@ -183,14 +179,14 @@ class TransferOperator:
         angles = finite_array("theta", theta)
         return self.law.density(angles.ravel()).reshape(angles.shape)
 
-    @cached_property
+    @property
     @one_thread
     def error_bound(self) -> float:
         """Bound on the error of the stationary density, per radian, anywhere on the circle.
 
         inf without noise: the density may jump then, and only its integrals have bounds.
         """
-        return self.law.density_error + float(np.max(self.law.density_map_error))
+        return self.law.density_error
 
     @cached_property
     def is_certain(self) -> bool:
@@ -241,12 +237,10 @@ class TransferOperator:
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
         True
         """
-        graded = (
-            (graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2))
-            if folds
-            else None
-        )
-        return self.law.expectation(function, graded)
+        if not folds:
+            return self.law.expectation(function)
+        rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
+        return self.law.expectation(function, rules)
 
     @cached_property
     @one_thread
@@ -271,11 +265,9 @@ class TransferOperator:
         0.08
         """
         plain = self.law.diffusion()
-        return (
-            plain
-            if np.isinf(plain)
-            else Estimate(plain, abs(self._finer.diffusion() - plain) + plain.error_bound)
-        )
+        if np.isinf(plain):
+            return plain
+        return Estimate(plain, abs(self._finer.diffusion() - plain) + plain.error_bound)
 
     @cached_property
     @one_thread
@@ -344,7 +336,7 @@ class TransferOperator:
 
         Their arcs end where the slow left eigenfunctions say that a path belongs to either side
         alike: see ``SlowChain``. Bounds: of the shares those of the density; of the chances of
-        leaving see ``leaving_errors``.
+        leaving see ``SlowChain.leaving``.
 
         >>> import numpy as np
         >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
@@ -355,26 +347,21 @@ class TransferOperator:
         """
         basis = self.law.smooth_basis
         spectrum = self._leading
-        grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
-        chain = slow_chain(basis, spectrum, grid)
+        chain = slow_chain(basis, spectrum)
         if chain is None:
             return ()
-        errors = leaving_errors(chain, spectrum, grid)
         sets = []
-        for arcs, leaving, error in zip(
-            chain.arcs(grid), np.diag(chain.leaving), errors, strict=True
-        ):
+        for arcs, leaving in zip(chain.arcs(), chain.leaving(spectrum), strict=True):
             rules = [
                 arc_rule(self.map, start, end, self.modes, every_sample=False)
                 for start, end in arcs
             ]
-            theta, weight = (np.concatenate(column) for column in zip(*rules, strict=True))
+            theta, weight = np.concatenate(rules, axis=1)
             density = self.density(theta)
-            share = Estimate(
-                float(weight @ density), self.error_bound * float(weight.sum()) + INTEGRAL
-            )
+            bound = self.error_bound * float(weight.sum()) + INTEGRAL
             peak = float(np.mod(theta[np.argmax(density)], TWO_PI))
-            sets.append(MetastableSet(arcs, peak, share, Estimate(float(leaving), float(error))))
+            share = Estimate(float(weight @ density), bound)
+            sets.append(MetastableSet(arcs, peak, share, leaving))
         return tuple(sorted(sets, key=lambda held: -held.share))
 
     @cached_property

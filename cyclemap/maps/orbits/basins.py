@@ -6,12 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
-from cyclemap.maps.lifts.lift_checks import Lift
-from cyclemap.maps.lifts.scan import INSET, Cells, iterate, monotone_cells, preimages
+from cyclemap.maps.lifts.lift_checks import Lift, base_angles
+from cyclemap.maps.lifts.scan import (
+    INSET,
+    Cells,
+    bracketed_root,
+    iterate,
+    monotone_cells,
+    preimages,
+)
 from cyclemap.maps.orbits.periodic_points import (
     Orbit,
     PeriodicPoints,
@@ -23,7 +30,6 @@ MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle
 MAX_ARCS = 50_000
 _LOCAL = 1024  # points between a stable point and the next periodic ones
-_PARTS = 64  # into which a bracket is cut at each step
 _LINEAR = 1e-8  # radians: this near a stable point the iterate contracts towards it
 _SETTLED = 1e-14  # radians
 _ROUNDS = 200
@@ -203,7 +209,7 @@ def _immediate_arc(
         high = new_high
         if grown <= _SETTLED or high - low >= TWO_PI:
             break
-    start = low % TWO_PI
+    start = float(base_angles(np.array(low)))
     return start, start + min(high - low, TWO_PI)
 
 
@@ -215,26 +221,18 @@ def _reach(
     ahead = way * (nodes - end) > 0.0
     x = nodes[ahead][:: int(way)]
     image = images[ahead][:: int(way)]
-    stays = _moves_back(x, image, other, way)
-    if np.all(stays):
+
+    def room(at: Array, lifted: Array) -> Array:
+        """How far the image lies between the arc's other end and its preimage; below 0 outside."""
+        return np.minimum(way * (at - lifted), way * (lifted - other))
+
+    leaves = np.flatnonzero((room(x, image) < 0.0) | (x == image))[:1]
+    if leaves.size == 0:
         return limit
-    first = int(np.argmin(stays))
-    low = float(x[first - 1]) if first else end
-    high = float(x[first])
-    while abs(high - low) > _SETTLED * max(1.0, abs(low)):
-        inner = np.linspace(low, high, _PARTS + 1)
-        stays = _moves_back(inner[1:], local(inner[1:]), other, way)
-        first = int(np.argmin(stays)) if not np.all(stays) else _PARTS - 1
-        if inner[first + 1] == high and inner[first] == low:
-            break
-        low = float(inner[first])
-        high = float(inner[first + 1])
-    return low
-
-
-def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
-    """Whether the image lies between the arc's other end and x."""
-    return (way * image < way * x) & (way * image >= way * other)
+    inside = np.append(end, x)[leaves]
+    if room(inside, local(inside)) > 0.0:
+        inside = bracketed_root(lambda at, _: room(at, local(at)), inside, x[leaves])
+    return float(inside[0])
 
 
 def _all_preimages(

@@ -60,17 +60,26 @@ class JumpCrossing:
 
 @dataclass(frozen=True, eq=False)
 class DiagonalScan:
-    """Cells with, at each end, how many whole turns lie below g: what counts as a crossing.
+    """Cells and their ends, with how many whole turns lie below g at each: what counts as a crossing.
 
     Beside them the points that lie at a node within the tangency: ``touch`` (g meets a whole turn
     without crossing it), ``kink`` (a crossing on a kink) and ``border`` (g ends there at a jump),
     each a list of (θ, w).
+
+    The ends are counted on round the circle: the start of cell 0, its end, the start of cell 1, ...
+
+    joined : whether g is continuous at the start of each cell.
+    theta, g, turns, tolerance : of each end; the last is how far from a whole turn it still counts
+        as on it.
     """
 
     map: CircleMap
     cells: Cells
-    turn_start: Whole
-    turn_end: Whole
+    joined: Mask
+    theta: Array
+    g: Array
+    turns: Whole
+    tolerance: Array
     touch: list[tuple[float, int]] = field(default_factory=list)
     kink: list[tuple[float, int]] = field(default_factory=list)
     border: list[tuple[float, int]] = field(default_factory=list)
@@ -80,6 +89,65 @@ class DiagonalScan:
     def lap(self) -> int:
         """By how many whole turns g climbs while θ runs round once."""
         return round(self.cells.climb / TWO_PI)
+
+    def height(self, end: int) -> float:
+        """g there."""
+        laps, place = divmod(end, self.g.size)
+        return float(self.g[place]) + self.cells.climb * laps
+
+    def starts(self, end: int, which: Mask) -> bool:
+        """Whether the end is the start of a cell of which that holds."""
+        return end % 2 == 0 and bool(which[end // 2 % which.size])
+
+    def point(self, end: int, turns: int) -> tuple[float, int]:
+        """The angle of the end in [0, 2π), and ``turns`` as they are counted there."""
+        laps, place = divmod(end, self.g.size)
+        if place == self.g.size - 1:
+            return 0.0, turns - self.lap * (laps + 1)
+        return float(self.theta[place]), turns - self.lap * laps
+
+    def reached(self, seed: int, step: int, turns: int) -> tuple[int, bool | None]:
+        """The last end from ``seed`` this way that lies on so many whole turns, and whether g then
+        lies above them; None at a jump.
+        """
+        end = seed
+        for _ in range(self.g.size):
+            if self.starts(max(end, end + step), ~self.joined):
+                return end, None
+            off = self.height(end + step) - TWO_PI * turns
+            if abs(off) > self.tolerance[(end + step) % self.g.size]:
+                return end, off > 0.0
+            end += step
+        return end, None
+
+    def settled(self, seed: int) -> list[int]:
+        """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the
+        run.
+        """
+        w = round(self.height(seed) / TWO_PI)
+        low, below = self.reached(seed, -1, w)
+        high, beyond = self.reached(seed, 1, w)
+        run = range(low, high + 1)
+        # Whether g lies above the line at the ends before and from the split.
+        split = high + 1
+        sides = (below, below)
+        if below is None or beyond is None:
+            sides = (bool(beyond), False) if below is None else (below, False)
+            self.border.append(self.point(low if below is None else high, w))
+        elif below == beyond:
+            extremum = (min if below else max)(run, key=self.height)
+            self.touch.append(self.point(extremum, w))
+        else:
+            sides = (below, beyond)
+            kinks = [end for end in run[1:] if self.starts(end, self.cells.cut)]
+            # On no kink the root is sought in the run's middle cell: where three roots merge, the
+            # middle one.
+            split = kinks[0] if kinks else (low + high + 1) // 2 | 1
+            self.kink.extend(self.point(kink, w) for kink in kinks[:1])
+        for end in run:
+            laps, place = divmod(end, self.g.size)
+            self.turns[place] = w - self.lap * laps - (0 if sides[end >= split] else 1)
+        return [end % self.g.size for end in run]
 
 
 def displacement(
@@ -110,23 +178,26 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     """The crossings of Fⁿ - id with 2πw: touches within ``TANGENCY`` are set apart."""
     cells = monotone_cells(circle_map, period, 1.0)
     _refuse_identity(circle_map, cells)
-    scan = DiagonalScan(circle_map, cells, whole_turns(cells.g_start), whole_turns(cells.g_end))
     joined = is_continuous(cells)
     tolerance, seeds = _tolerance(circle_map, cells, joined)
-    ends = _Ends(cells, joined, tolerance)
+    theta, g = (
+        np.stack(sides, axis=1).ravel()
+        for sides in ((cells.start, cells.end), (cells.g_start, cells.g_end))
+    )
+    scan = DiagonalScan(circle_map, cells, joined, theta, g, whole_turns(g), tolerance)
     settled: set[int] = set()
     for seed in seeds.tolist():
         if seed not in settled:
-            settled.update(_settled(scan, ends, seed))
+            settled.update(scan.settled(seed))
     # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
     met = dict.fromkeys(scan.border)
-    for i in np.flatnonzero(~joined):
-        before = int(scan.turn_end[i - 1]) - (scan.lap if i == 0 else 0)
-        after = int(scan.turn_start[i])
-        theta = float(cells.start[i])
+    for cell in np.flatnonzero(~joined):
+        before = int(scan.turns[2 * cell - 1]) - (scan.lap if cell == 0 else 0)
+        after = int(scan.turns[2 * cell])
+        place = float(cells.start[cell])
         for w in range(min(before, after) + 1, max(before, after) + 1):
-            if (theta, w) not in met:
-                scan.jumps.append(JumpCrossing(theta, w, before > after))
+            if (place, w) not in met:
+                scan.jumps.append(JumpCrossing(place, w, before > after))
     return scan
 
 
@@ -204,84 +275,3 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
 
 def _gap(g: Array) -> Array:
     return np.abs(g - TWO_PI * np.round(g / TWO_PI))
-
-
-@dataclass(frozen=True, eq=False)
-class _Ends:
-    """The ends of all cells, counted on round the circle: the start of cell 0, its end, the start
-    of cell 1, ...; after ``size`` of them a lap is full.
-
-    joined : whether g is continuous at the start of each cell.
-    tolerance : how far from a whole turn each end still counts as on it.
-    """
-
-    cells: Cells
-    joined: Mask
-    tolerance: Array
-
-    @property
-    def size(self) -> int:
-        return self.tolerance.size
-
-    def height(self, end: int) -> float:
-        """g there."""
-        laps, place = divmod(end, self.size)
-        values = self.cells.g_end if place % 2 else self.cells.g_start
-        return float(values[place // 2]) + self.cells.climb * laps
-
-    def starts(self, end: int, which: Mask) -> bool:
-        """Whether the end is the start of a cell of which that holds."""
-        return end % 2 == 0 and bool(which[end // 2 % which.size])
-
-    def point(self, end: int, turns: int, lap: int) -> tuple[float, int]:
-        """The angle of the end in [0, 2π), and ``turns`` as they are counted there."""
-        laps, place = divmod(end, self.size)
-        if place == self.size - 1:
-            return 0.0, turns - lap * (laps + 1)
-        thetas = self.cells.end if place % 2 else self.cells.start
-        return float(thetas[place // 2]), turns - lap * laps
-
-    def reached(self, seed: int, step: int, turns: int) -> tuple[int, bool | None]:
-        """The last end from ``seed`` this way that lies on so many whole turns, and whether g then
-        lies above them; None at a jump.
-        """
-        end = seed
-        for _ in range(self.size):
-            if self.starts(max(end, end + step), ~self.joined):
-                return end, None
-            off = self.height(end + step) - TWO_PI * turns
-            if abs(off) > self.tolerance[(end + step) % self.size]:
-                return end, off > 0.0
-            end += step
-        return end, None
-
-
-def _settled(scan: DiagonalScan, ends: _Ends, seed: int) -> list[int]:
-    """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the
-    run.
-    """
-    w = round(ends.height(seed) / TWO_PI)
-    low, below = ends.reached(seed, -1, w)
-    high, beyond = ends.reached(seed, 1, w)
-    run = range(low, high + 1)
-    # Whether g lies above the line at the ends before and from the split.
-    split = high + 1
-    sides = (below, below)
-    if below is None or beyond is None:
-        sides = (bool(beyond), False) if below is None else (below, False)
-        scan.border.append(ends.point(low if below is None else high, w, scan.lap))
-    elif below == beyond:
-        extremum = (min if below else max)(run, key=ends.height)
-        scan.touch.append(ends.point(extremum, w, scan.lap))
-    else:
-        sides = (below, beyond)
-        kinks = [end for end in run[1:] if ends.starts(end, scan.cells.cut)]
-        # On no kink the root is sought in the run's middle cell: where three roots merge, the
-        # middle one.
-        split = kinks[0] if kinks else (low + high + 1) // 2 | 1
-        scan.kink.extend(ends.point(kink, w, scan.lap) for kink in kinks[:1])
-    for end in run:
-        laps, place = divmod(end, ends.size)
-        turns = scan.turn_end if place % 2 else scan.turn_start
-        turns[place // 2] = w - scan.lap * laps - (0 if sides[end >= split] else 1)
-    return [end % ends.size for end in run]

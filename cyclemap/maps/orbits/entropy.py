@@ -6,10 +6,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import floor
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Whole
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
@@ -41,10 +42,10 @@ class Folds:
         """(m,): F at the folds."""
         return np.array([branch.start_value for branch in self.parts])
 
-    def branch(self, theta: Array) -> tuple[Whole, Array]:
-        """The branch of each angle of [0, 2π), and the angle in that branch's own turn."""
-        own = np.where(theta < self.theta[0], theta + TWO_PI, theta)
-        return np.searchsorted(self.theta, own, side="right") - 1, own
+    def branch(self, base: float) -> tuple[int, float]:
+        """The branch of an angle of [0, 2π), and the angle in that branch's own turn."""
+        own = base + TWO_PI if base < self.theta[0] else base
+        return int(np.searchsorted(self.theta, own, side="right")) - 1, own
 
     def itinerary(self, fold: int, length: int, push: float = 0.0) -> Itinerary:
         """The branches that the fold's images run through, ``length`` at most, its value moved
@@ -55,16 +56,16 @@ class Folds:
         image = float(self.value[fold]) - push * self.parts[fold].direction
         error = ANGLE + self.map.max_error
         while len(letters) < length and error < _LOST:
-            base = image - TWO_PI * np.floor(image / TWO_PI)
-            index, own = self.branch(np.array([base]))
-            letters.append(int(index[0]))
-            turns.append(round((image - float(own[0])) / TWO_PI))
+            base = image - TWO_PI * floor(image / TWO_PI)
+            letter, own = self.branch(base)
+            letters.append(letter)
+            turns.append(round((image - own) / TWO_PI))
             away = np.abs(np.sin(0.5 * (base - self.theta)))
             if np.min(away) <= error:
                 closes = int(np.argmin(away)) if error <= _CLOSED else None
                 return Itinerary(letters, turns, closes, bool(np.min(away) == 0.0))
-            error = error * float(np.abs(self.map.derivative(own)[0])) + ANGLE + self.map.max_error
-            image = float(self.map(own)[0])
+            error = error * abs(float(self.map.derivative(own))) + ANGLE + self.map.max_error
+            image = float(self.map(own))
         return Itinerary(letters, turns, None, False)
 
     def orbit(self, route: Itinerary, at_end: bool) -> list[tuple[int, float]]:

@@ -4,7 +4,6 @@ levels).
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from math import ceil
 
@@ -14,8 +13,8 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.branches import cell_limits
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP, within_turn
-from cyclemap.maps.lifts.piecewise_lifts import BranchedLift, Piece
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP
+from cyclemap.maps.lifts.piecewise_lifts import Level, Piece, on_base_turn
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 SLACK = 1e-12  # radians: a smaller descent is rounding
@@ -51,9 +50,10 @@ def largest_descent(circle_map: CircleMap) -> float:
     Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see
     ``GRAIN``).
     """
-    if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
+    pieces = circle_map.pieces
+    if circle_map.breaks.size == 0 and pieces is not None and pieces.surely_rises():
         return 0.0
-    smooth = circle_map.breaks.size == 0 and circle_map.pieces is None
+    smooth = circle_map.breaks.size == 0 and pieces is None
     try:
         value = _skeleton(circle_map)[1]
     except ConvergenceError:
@@ -100,8 +100,7 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
     >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
     True
     """
-    made = _envelope(circle_map, 1.0)
-    return made if made is circle_map else made.remade_by(upper_envelope, circle_map)
+    return _envelope(circle_map, 1.0)
 
 
 def lower_envelope(circle_map: CircleMap) -> CircleMap:
@@ -124,8 +123,7 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
     >>> bool(lowered(0.0) <= CircleMap.arnold(0.0, 3.0)(0.0))
     True
     """
-    made = _envelope(circle_map, -1.0)
-    return made if made is circle_map else made.remade_by(lower_envelope, circle_map)
+    return _envelope(circle_map, -1.0)
 
 
 def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
@@ -184,17 +182,12 @@ def _plateaus(
     # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
     low = theta[after - 1] + INSET
     high = theta[after] - INSET
-    end = theta[after].copy()
 
     def residual(x: Array, wanted: Array) -> Array:
         return mirror * circle_map(mirror * x) - wanted
 
-    at_low = residual(low, level)
-    at_high = residual(high, level)
-    inside = (high > low) & (at_low < 0.0) & (at_high > 0.0)
-    if np.any(inside):
-        wanted = level[inside]
-        end[inside] = bracketed_root(lambda x, i: residual(x, wanted[i]), low[inside], high[inside])
+    met = bracketed_root(lambda x, index: residual(x, level[index]), low, high)
+    end = np.where((high > low) & (residual(high, level) > 0.0), met, theta[after])
     return theta[first], end, level
 
 
@@ -207,32 +200,9 @@ def _with_plateaus(
     """
     if start.size == 0:
         return circle_map
-    free = Piece(-np.inf, np.inf, circle_map, circle_map.derivative_and_error, circle_map.scalar())
-    start, turns = within_turn(start)
-    rows: list[tuple[float, Piece]] = []
-    for first, last, height in sorted(
-        zip(start, end - TWO_PI * turns, level - TWO_PI * turns, strict=True)
-    ):
-        rows += [(first, _plateau(height)), (last, free)]
-    over = rows[-1][0] - TWO_PI
-    if over > 0.0:  # the last plateau begins the turn, too
-        rows = [(0.0, replace(rows[-2][1], shift=1.0)), (over, free), *rows[:-1]]
-    else:
-        rows.insert(0, (0.0, free))
-    starts = np.array([place for place, _ in rows])
-    lift = BranchedLift(starts, tuple(piece for _, piece in rows), 1)
+    pieces = []
+    following = np.append(start[1:], start[0] + TWO_PI)
+    for first, last, height, after in zip(start, end, level, following, strict=True):
+        pieces += [Piece(first, last, Level(height)), Piece(last, after, circle_map)]
     breaks = np.concatenate([start, end, circle_map.breaks])
-    made = CircleMap.with_scalar(
-        lift, lift.derivative, lift.scalar(), breaks=breaks, max_error=inexact
-    )
-    return made.with_slope_errors(lift.derivative_and_error)
-
-
-def _plateau(level: float) -> Piece:
-    return Piece(
-        -np.inf,
-        np.inf,
-        lambda theta: np.full_like(theta, level),
-        lambda theta: (np.zeros_like(theta), np.zeros_like(theta)),
-        lambda _: level,
-    )
+    return CircleMap(on_base_turn(pieces, 1), None, breaks, max_error=inexact)

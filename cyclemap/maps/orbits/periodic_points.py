@@ -17,6 +17,7 @@ from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import distance_to_break, nearest_on_circle
+from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
@@ -190,24 +191,26 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
 
 
 def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints:
-    """The proved points as arrays: their periods follow from their images, their kinds from their
+    """The proved points, whose periods follow from their images, their kinds from their
     multipliers.
     """
     points = proved_points(circle_map, n, slope_error)
-    multipliers = [point.multiplier for point in points]
-    theta = np.array([point.theta for point in points])
-    multiplier = np.array(multipliers)
-    error = np.array([each.error_bound for each in multipliers])
-    bound = np.array([point.theta.error_bound for point in points])
-    winding = np.array([point.winding for point in points], dtype=np.int64)
-    image = np.array([point.image for point in points], dtype=np.int64)
-    prime = 1 + np.argmax(_visits(image, n + 1)[1:] == np.arange(theta.size), axis=0)
-    size = np.abs(multiplier)
-    kind = np.where(
-        np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
-    ).astype("<U16")
+    visits = _visits(points.image, n + 1)
+    prime = 1 + np.argmax(visits[1:] == visits[0], axis=0)
+    size = np.abs(points.multiplier)
+    neutral = np.abs(size - 1.0) <= points.multiplier_error
+    kind = np.where(neutral, "neutral", np.where(size < 1.0, "stable", "unstable")).astype("<U16")
     return PeriodicPoints(
-        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n
+        points.theta,
+        points.winding,
+        points.multiplier,
+        points.multiplier,
+        points.multiplier_error,
+        prime,
+        kind,
+        points.error_bound,
+        points.image,
+        n,
     )
 
 
@@ -216,9 +219,9 @@ _CROSSING, _KINK, _TOUCH, _BORDER = range(4)
 
 def _all_roots(scan: DiagonalScan) -> tuple[Array, Whole, Whole]:
     """All roots, sorted, the w of each, and what it is."""
-    cell = np.flatnonzero(scan.turn_start != scan.turn_end)
-    turns = (scan.turn_start[cell], scan.turn_end[cell])
-    theta, whole, _ = solved(scan.map, scan.cells, cell, np.float64(0.0), *turns)
+    start, end = scan.turns.reshape(-1, 2).T
+    cell = np.flatnonzero(start != end)
+    theta, whole, _ = solved(scan.map, scan.cells, cell, np.float64(0.0), start[cell], end[cell])
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
     role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
@@ -245,25 +248,21 @@ def _error_bounds(
     touches = role >= _TOUCH
     half[touches] = np.maximum(half[touches], TANGENCY)
     bound = np.full(half.shape, np.inf)
-    left = np.flatnonzero(role != _BORDER)
     for _ in range(_WIDENINGS):
-        if left.size == 0:
+        wanted = np.isinf(bound) & (role != _BORDER) & (half < np.pi)
+        if not np.any(wanted):
             break
-        touch = touches[left]
         (low, _, low_noise), (high, _, high_noise) = (
-            displacement(circle_map, theta[left] + side * half[left], period, winding[left])
-            for side in (-1, 1)
+            displacement(circle_map, theta + side * half, period, winding) for side in (-1, 1)
         )
-        sides = np.where(touch, low * high > 0.0, low * high < 0.0)
+        sides = np.where(touches, low * high > 0.0, low * high < 0.0)
         done = (
             sides
-            & (np.abs(low) > low_noise + TANGENCY * touch)
-            & (np.abs(high) > high_noise + TANGENCY * touch)
+            & (np.abs(low) > low_noise + TANGENCY * touches)
+            & (np.abs(high) > high_noise + TANGENCY * touches)
         )
-        bound[left[done]] = half[left[done]]
-        left = left[~done]
-        half[left] *= 2.0
-        left = left[half[left] < np.pi]
+        bound = np.where(wanted & done, half, bound)
+        half = 2.0 * half
     return bound
 
 
@@ -304,9 +303,11 @@ def _followed(
         multiplier = multiplier * slope
         sides = np.where(slope >= 0.0, sides, -sides)
         off = np.minimum(np.where(index >= 0, bound[index], bound), 1e-6)
-        steepness, error = _slope_and_error(circle_map, angle, off)
-        product = product * steepness
-        largest = largest * (steepness + error)
+        # The sides of a break are not mixed.
+        smooth = distance_to_break(circle_map.breaks, angle) > off + _LINKED
+        slope, error = slope_and_error_beside(circle_map, angle, np.where(smooth, off, 0.0))
+        product = product * np.abs(slope)
+        largest = largest * (np.abs(slope) + error)
         index = np.where(index >= 0, image[index], -1)
         angle = np.where(index >= 0, theta[index], np.mod(circle_map(angle), TWO_PI))
         near = np.abs(shorter_way(angle - theta)) <= _LINKED + np.minimum(bound, 1e-6)
@@ -314,17 +315,6 @@ def _followed(
         prime = np.where(back & (prime == period) & (period % passed == 0), passed, prime)
     size = np.max(np.abs(multiplier), axis=0)
     return prime, multiplier, largest - product + 4.0 * EPS * period * (largest + size)
-
-
-def _slope_and_error(circle_map: CircleMap, theta: Array, off: Array) -> tuple[Array, Array]:
-    """|F'| and a bound on its error at angles that may be off by so much; the sides of a break are
-    not mixed.
-    """
-    slope, error = circle_map.derivative_and_error(theta)
-    sides = [circle_map.derivative(theta + side * off) for side in (-1.0, 1.0)]
-    smooth = distance_to_break(circle_map.breaks, theta) > off + _LINKED
-    moved = np.max([np.abs(side - slope) for side in sides], axis=0)
-    return np.abs(slope), error + smooth * moved
 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:

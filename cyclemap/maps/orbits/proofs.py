@@ -19,11 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.interval_lifts import Ball, IntervalLift, Jet, ball_library, interval_lift
+from cyclemap.maps.lifts.scan import root_between
 
 _PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
@@ -41,7 +42,7 @@ _CUTS = (
     2.3456,
 )  # where a turn may be cut: no number of mathematics
 _SEAM = 1e-12  # radians on both sides of the cut that must be free of points
-_NEWTON_STEPS = 300
+_NEWTON_STEPS = 2  # from a root that is good to a float's digits
 _FLAT = 1e-6  # radians: an arc this narrow on which the sign of F' cannot be told may be flat
 _LONGEST_FOLDED = 6  # iterates of a lift that folds: each has many more monotone pieces
 
@@ -69,20 +70,22 @@ class LockingProof:
     above: float
 
 
-@dataclass(frozen=True)
-class ProvedPoint:
-    """A point with Fⁿ(θ) = θ + 2πw that is there, alone within its error bound.
+@dataclass(frozen=True, eq=False)
+class ProvedPoints:
+    """Points with Fⁿ(θ) = θ + 2πw that are there, sorted, each alone within its error bound.
 
-    theta : radians in [0, 2π).
+    theta : radians in [0, 2π); error_bound : theirs.
     winding : w.
-    multiplier : (Fⁿ)' there.
-    image : index of the point that F maps it to.
+    multiplier : (Fⁿ)' there; multiplier_error : bounds on the errors of that.
+    image : index of the point that F maps each to.
     """
 
-    theta: Estimate
-    winding: int
-    multiplier: Estimate
-    image: int
+    theta: Array
+    error_bound: Array
+    winding: Whole
+    multiplier: Array
+    multiplier_error: Array
+    image: Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +100,7 @@ class _Cell:
     turns: int
 
 
-def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> list[ProvedPoint]:
+def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> ProvedPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, sorted: that there are so many, and where, is a
     theorem.
 
@@ -170,7 +173,7 @@ class _Proof:
                     "constant of the lift, such as a rounded π, must cancel"
                 )
 
-    def points(self) -> list[ProvedPoint]:
+    def points(self) -> ProvedPoints:
         """Every crossing between cells that keep off the multiples of 2π, in order."""
         lap = self.degree**self.period - 1
         cut, turns = self._cut()
@@ -185,12 +188,16 @@ class _Proof:
                 crossings.append(self._enclosed(run, level, lap))
             run = cell
         crossings.sort(key=lambda item: item[0])
-        angles = np.array([theta for theta, _, _, _ in crossings])
-        bounds = np.array([theta.error_bound for theta, _, _, _ in crossings])
-        return [
-            ProvedPoint(theta, winding, multiplier, self._image(ball, angles, bounds))
-            for theta, winding, multiplier, ball in crossings
+        rows = [
+            (theta, theta.error_bound, multiplier, multiplier.error_bound)
+            for theta, _, multiplier, _ in crossings
         ]
+        theta, bound, multiplier, error = np.reshape(rows, (-1, 4)).astype(float).T
+        winding = np.array([turns for _, turns, _, _ in crossings], dtype=np.int64)
+        image = [self._image(ball, theta, bound) for _, _, _, ball in crossings]
+        return ProvedPoints(
+            theta, bound, winding, multiplier, error, np.array(image, dtype=np.int64)
+        )
 
     def rises(self) -> bool:
         """Whether F' > 0 all round, on arcs halved as long as that may be told."""
@@ -310,26 +317,16 @@ class _Proof:
         """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball
         that holds it.
         """
-        low = self.arb(run.start)
-        high = self.arb(run.end)
-        theta = (low + high).mid() / 2
-        tolerance = self.arb(2) ** (-_BITS // 2)
+
+        def residual(place: float) -> float:
+            return float((self._displacement(self.arb(place)).value - level).mid())
+
+        theta = self.arb(root_between(residual, run.start, run.end))
         for _ in range(_NEWTON_STEPS):
             jet = self._displacement(theta)
-            residual = jet.value.mid() - level
-            if run.sign * residual > 0:
-                high = theta
-            else:
-                low = theta
-            moved = (theta - residual / jet.slope.mid()).mid()
-            if not (low < moved and moved < high):
-                moved = ((low + high) / 2).mid()
-            step = abs(moved - theta)
-            theta = moved
-            if step < tolerance:
-                break
+            theta = (theta - (jet.value.mid() - level) / jet.slope.mid()).mid()
         # Widened until the two sides are proved to differ; the ends of the run are known to.
-        half = tolerance
+        half = self.arb(2) ** (-_BITS // 2)
         while True:
             left = (theta - half).mid()
             right = (theta + half).mid()

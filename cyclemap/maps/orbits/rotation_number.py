@@ -1,6 +1,4 @@
-"""Rotation numbers with an enclosure that holds the truth, rotation intervals of folded lifts,
-means along an orbit.
-"""
+"""Rotation numbers with an enclosure that holds the truth; rotation intervals of folded lifts."""
 
 from __future__ import annotations
 
@@ -10,171 +8,21 @@ from math import ceil, floor, inf, nextafter
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import (
-    finite_array,
-    finite_number,
-    non_negative_number,
-    require_room,
-    whole_number,
-)
+from cyclemap.arrays import TWO_PI
+from cyclemap.checks import non_negative_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import LIFT, MEAN, Estimate
+from cyclemap.maps.estimate import LIFT, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
-from cyclemap.maps.lifts.lift_checks import Lift, Scalar
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
+from cyclemap.maps.orbits.orbit_means import ITERATES, FollowedOrbit, birkhoff_average
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
 
-ITERATES = 40_000
-
-
-def birkhoff_average(
-    circle_map: CircleMap,
-    function: Lift | None = None,
-    *,
-    start: float = 0.0,
-    iterates: int = ITERATES,
-    transient: int = 0,
-) -> Estimate:
-    """The weighted mean of a function along one orbit.
-
-    Parameters
-    ----------
-    circle_map : CircleMap
-        The map.
-    function : callable, optional
-        Vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a
-        cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
-    start : float, default 0.0
-        Where the orbit starts, radians.
-    iterates : int, optional
-        N, at least 16.
-    transient : int, default 0
-        Cycles run before the averaging begins.
-
-    Returns
-    -------
-    Estimate
-        The mean, with an estimated bound.
-
-    Notes
-    -----
-    The weights are exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N. On a quasi-periodic orbit with
-    Diophantine rotation number of a smooth map the error falls faster than any power of 1/N; a
-    plain mean has 1/N. On a chaotic orbit it is about that of a plain mean, 1/√N.
-
-    The error bound is estimated, not proved: the larger distance from the means over the first and
-    the last half of the orbit, which converge like the whole at half its length, plus rounding.
-
-    References
-    ----------
-    Das, S., Saiki, Y., Sander, E. & Yorke, J. A. (2017), Quantitative quasiperiodicity,
-    Nonlinearity 30.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cyclemap.maps import CircleMap, birkhoff_average
-    >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
-    >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
-    (True, True)
-    """
-    require_map(circle_map)
-    if function is None:
-        require_degree_one(circle_map, "a mean turn")
-    count = whole_number("iterates", iterates, least=16)
-    skipped = whole_number("transient", transient, least=0)
-    visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
-    values = np.asarray((function or circle_map.turn)(visited), dtype=np.float64)
-    if values.shape != visited.shape:
-        raise InvalidInput(
-            f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry"
-        )
-    return weighted_mean(values)
-
-
-def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
-    """The first ``count`` angles of the orbit of ``start``, itself included, radians, each within
-    [0, 2π).
-    """
-    return np.asarray(orbits_angles(circle_map, np.array([start]), count)[0])
-
-
-def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
-    """The same of several starts, shape (m,): (m, count); together where the lift knows arrays
-    only.
-    """
-    require_room("the orbit", starts.size * count, "follow it for fewer cycles")
-    visited = np.empty((starts.size, count))
-    if not circle_map.has_scalar:
-        theta = starts - TWO_PI * np.floor(starts / TWO_PI)
-        for n in range(count):
-            visited[:, n] = theta
-            image = circle_map(theta)
-            theta = image - TWO_PI * np.floor(image / TWO_PI)
-        return visited
-    lift = circle_map.scalar()
-    for row, start in zip(visited, starts.tolist(), strict=True):
-        angle = start - TWO_PI * floor(start / TWO_PI)
-        row[:] = [angle, *_images(lift, angle, count - 1)[0]]
-    return visited
-
-
-def _images(
-    lift: Scalar, theta: float, count: int, push: float = 0.0
-) -> tuple[list[float], list[int]]:
-    """The images of ``theta`` under F + push, in [0, 2π), and the whole turns taken off up to
-    each.
-    """
-    visited = []
-    laps = []
-    turns = 0
-    for _ in range(count):
-        image = lift(theta) + push
-        lap = floor(image / TWO_PI)
-        theta = image - TWO_PI * lap
-        turns += lap
-        visited.append(theta)
-        laps.append(turns)
-    return visited, laps
-
-
-def window(count: int) -> Array:
-    """Weights exp(-1/t(1 - t)), t = k/(count + 1), k = 1..count, that sum to 1."""
-    t = np.arange(1.0, count + 1.0) / (count + 1.0)
-    weight = np.exp(-1.0 / (t * (1.0 - t)))
-    return np.asarray(weight / np.sum(weight))
-
-
-def weighted_mean(values: Array) -> Estimate:
-    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time,
-    as in ``birkhoff_average``."""
-    if np.any(np.isneginf(values)):
-        return Estimate(-np.inf, 0.0)
-    sequence = finite_array("values", values, ndim=1)
-    if sequence.size < 16:
-        raise InvalidInput(f"values has {sequence.size} entries: give at least 16")
-    half = sequence.size // 2
-    mean = _windowed(sequence)
-    apart = max(
-        abs(_windowed(half_orbit) - mean) for half_orbit in (sequence[:half], sequence[-half:])
-    )
-    return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
-
-
-def _windowed(values: Array) -> float:
-    # Sums of numpy are pairwise: their rounding grows with log n only.
-    return float(np.sum(window(values.size) * values))
-
-
 MAX_PERIOD = 2_000
-_FIRST_LOOK = (
-    64  # iterates after which locking is tried first; then every eight times as many, or two
-)
+# iterates after which locking is tried first; then every eight times as many, or two
+_FIRST_LOOK = 64
 _SETTLED = 1e-9  # radians: an orbit that comes back this near has settled
-_REACH = np.pi * 4.0 ** -np.arange(
-    0.0, 19.0
-)  # radians beside an orbit where the witnesses of locking are sought
+# radians beside an orbit where the witnesses of locking are sought
+_REACH = np.pi * 4.0 ** -np.arange(0.0, 19.0)
 _MARGIN = 2e-14  # radians: a gap above it is no rounding of the comparison itself
 _ZOOMS = 6  # times that the search narrows around the best angle so far
 
@@ -390,9 +238,8 @@ def rotation_interval(
     return RotationInterval(low.value, high.value, low, high)
 
 
-_Budget = tuple[
-    int, int, float
-]  # at most so many iterates, periods to try, and the half-width at which to stop
+# at most so many iterates, periods to try, and the half-width at which to stop
+_Budget = tuple[int, int, float]
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
@@ -460,22 +307,8 @@ def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
     return RotationNumber(float(low), *_floats(low, low), low, searched.proof)
 
 
-class _PushedOrbit:
-    """The orbit of θ = 0 under F + push, kept in [0, 2π] with its whole turns counted apart."""
-
-    def __init__(self, circle_map: CircleMap, push: float) -> None:
-        self._lift = circle_map.scalar()
-        self._push = push
-        self.visited = [0.0]
-        self.laps = [0]
-
-    def run_to(self, count: int) -> None:
-        """Go on to the iterate of that number."""
-        more = count + 1 - len(self.laps)
-        visited, laps = _images(self._lift, self.visited[-1], more, self._push)
-        before = self.laps[-1]
-        self.visited += visited
-        self.laps += [before + turns for turns in laps]
+class _PushedOrbit(FollowedOrbit):
+    """The orbit of θ = 0 under F + push, which bounds the rotation number from one side."""
 
     def settles(self, ratio: Fraction) -> bool:
         """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no
@@ -492,7 +325,7 @@ class _PushedOrbit:
             - theta[:-period]
             + TWO_PI * (turns[period:] - turns[:-period] - ratio.numerator)
         )
-        near = _SETTLED + abs(self._push)
+        near = _SETTLED + abs(self.push)
         return bool(
             gap[-1] <= max(0.9 * gap[0], near)
             and np.all(gap[period:] <= np.maximum(gap[:-period], near))
@@ -500,7 +333,7 @@ class _PushedOrbit:
 
     def best_ratio(self) -> Fraction:
         """The largest p/n with Fⁿ(0) ≥ 2πp if the push is down, the smallest with ≤ if it is up."""
-        up = self._push > 0.0
+        up = self.push > 0.0
         whole = np.array(self.laps[1:]) + up
         ratio = whole / np.arange(1.0, whole.size + 1.0)
         best = int(np.argmin(ratio) if up else np.argmax(ratio))
@@ -516,7 +349,6 @@ def _locking_proof(
     side = np.array([[1.0], [-1.0]])
     beside = np.concatenate([-_REACH, [0.0], _REACH])
     start = np.array([near]).T + beside
-    before = np.full(2, -1e9)
     for _ in range(_ZOOMS):
         theta = start
         turns = np.zeros(start.shape)
@@ -531,12 +363,9 @@ def _locking_proof(
         if np.all(most > _MARGIN):
             above, below = start[[0, 1], best].tolist()
             return LockingProof(ratio, below, above)
-        if np.any((most <= _MARGIN) & (most <= before + 0.1 * np.abs(before))):
-            return None
         low = np.maximum(best - 1, 0)
         high = np.minimum(best + 1, beside.size - 1)
         start = np.linspace(start[[0, 1], low], start[[0, 1], high], beside.size, axis=1)
-        before = most
     return None
 
 
@@ -549,8 +378,6 @@ def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:
     """The fraction of smallest denominator in [low, high] (Stern-Brocot descent)."""
-    if high < low:
-        raise InvalidInput(f"the interval [{low}, {high}] is empty: give low <= high")
     whole = ceil(low)
     if whole <= high:
         return Fraction(whole)

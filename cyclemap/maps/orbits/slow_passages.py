@@ -4,7 +4,7 @@ saddle-nodes).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def slow_passages(
     )
     near &= curvature * gap > 0.0  # else too flat for a parabola
     passages = []
-    for place, w, least, bend in zip(
+    for place, turns, least, bend in zip(
         theta[near].tolist(),
         whole[near].tolist(),
         gap[near].tolist(),
@@ -154,9 +154,10 @@ def slow_passages(
         cycles = float(n * np.pi / np.sqrt(bend * least))
         if cycles >= LEAST_CYCLES:
             width = float(np.sqrt(least / bend))
-            error = _relative_error(circle_map, n, place, w, width, least, bend)
             way = 1 if least > 0.0 else -1
-            passages.append(SlowPassage(place, w, n, least, bend, width, cycles, way, error))
+            passage = SlowPassage(place, turns, n, least, bend, width, cycles, way, np.inf)
+            error = _relative_error(circle_map, passage)
+            passages.append(replace(passage, relative_error=error))
     return passages
 
 
@@ -183,39 +184,33 @@ def _near_misses(
     return theta[keep], whole[keep], gap[keep]
 
 
-def _relative_error(
-    circle_map: CircleMap,
-    period: int,
-    theta: float,
-    whole: int,
-    width: float,
-    gap: float,
-    curvature: float,
-) -> float:
+def _relative_error(circle_map: CircleMap, passage: SlowPassage) -> float:
     """How far the parabola's number of cycles across ±REACH widths is from the flow's."""
+    width = passage.width
     if 2.0 * REACH * width >= TWO_PI:
         return float("inf")
     # x = width·tan(s) makes the integrand of a parabola constant.
     s, weight = np.polynomial.legendre.leggauss(_GAUSS)
     edge = np.arctan(REACH)
     x = width * np.append(np.tan(edge * s), [-REACH, REACH])
-    angle = theta + x
-    for _ in range(
-        period
-    ):  # a break inside the stretch, or inside one of its images before the last
+    angle = passage.theta + x
+    # A break inside the stretch, or inside one of its images before the last?
+    for _ in range(passage.period):
         low = float(np.min(angle))
         high = float(np.max(angle))
         if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
             return float("inf")
         angle = circle_map(angle)
-    g, slope, rounding = displacement(circle_map, theta + x, period, np.full(x.size, whole))
-    if np.any(g * gap <= 0.0):
+    g, slope, rounding = displacement(
+        circle_map, passage.theta + x, passage.period, np.asarray(passage.winding)
+    )
+    if np.any(g * passage.gap <= 0.0):
         return float("inf")
-    parabola = 2.0 * edge / np.sqrt(curvature * gap)
-    unknown = 0.5 * float(np.max(rounding)) / abs(gap)
+    parabola = 2.0 * edge / np.sqrt(passage.curvature * passage.gap)
+    unknown = 0.5 * float(np.max(rounding)) / abs(passage.gap)
     if parabola <= _FOLLOWED:
-        true = _followed(circle_map, period, theta, whole, REACH * width, gap)
-        unknown += abs(curvature) * REACH * width / parabola
+        true = _followed(circle_map, passage)
+        unknown += abs(passage.curvature) * REACH * width / parabola
     else:
         bend = slope - 1.0
         stretch = edge * weight * width * (1.0 + (x[:-2] / width) ** 2)
@@ -225,22 +220,21 @@ def _relative_error(
     return float(abs(abs(true) / parabola - 1.0) + unknown)
 
 
-def _followed(
-    circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float
-) -> float:
-    """Iterates from one end of the stretch to the other, theta ± reach, of the last one the share
+def _followed(circle_map: CircleMap, passage: SlowPassage) -> float:
+    """Iterates from one end of the stretch to the other, ±REACH widths off, of the last one the share
     that its way has inside; inf where a path does not get through.
     """
-    way = 1.0 if gap > 0.0 else -1.0
+    way = passage.direction
+    reach = REACH * passage.width
     lift = circle_map.scalar()
     count = 0
     x = -reach
     while x < reach:
         before = x
-        place = theta + way * x
-        for _ in range(period):
+        place = passage.theta + way * x
+        for _ in range(passage.period):
             place = lift(place)
-        x = way * (place - TWO_PI * whole - theta)
+        x = way * (place - TWO_PI * passage.winding - passage.theta)
         count += 1
         if x <= before or count > _MOST_FOLLOWED:
             return float("inf")

@@ -11,36 +11,31 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from cyclemap.arrays import TWO_PI, Array, Whole
-from cyclemap.checks import finite_array, finite_number
+from cyclemap.checks import finite_number, point
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import ANGLE, EPS
+from cyclemap.maps.estimate import ANGLE, EPS, SAME_ANGLE
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
-from cyclemap.maps.noise.noise import Noise, required_noise
-from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.noise import Noise, require_noise
+from cyclemap.maps.quadrature import Rule, arc_rule
 
 Arc = tuple[float, float]
 
 
-def arc_ends(arc: Arc, name: str, whole: bool = False) -> tuple[float, float]:
+def arc_ends(arc: Arc, name: str, whole: bool = False) -> Arc:
     """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0,
     2π].
     """
-    ends = finite_array(name, arc)
-    if ends.shape != (2,):
-        raise InvalidInput(f"{name} is {arc!r}: give a pair (start, end) in radians")
-    start = float(ends[0])
-    end = float(ends[1])
-    if -TWO_PI < end - start < 0.0:
-        end += TWO_PI
-    length = end - start
-    if not (0.0 < length < TWO_PI or (whole and length <= TWO_PI * (1 + 1e-15) and length > 0.0)):
+    start, end = point(name, arc)
+    after = end + TWO_PI if -TWO_PI < end - start < 0.0 else end
+    longest = TWO_PI * (1.0 + 2e-15) if whole else TWO_PI
+    if not 0.0 < after - start < longest:
         raise InvalidInput(
-            f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians"
+            f"{name} is ({start:g}, {end:g}): its length must lie between 0 and 2π radians"
         )
-    return start, end
+    return start, after
 
 
-def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
+def into_arc(theta: float, arc: Arc) -> float | None:
     """The representative of ``theta`` (mod 2π) inside the closed arc, or None."""
     inside = arc[0] + float(np.mod(theta - arc[0], TWO_PI))
     if inside - TWO_PI > arc[0] - ANGLE:
@@ -48,83 +43,95 @@ def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
     return min(inside, arc[1]) if inside <= arc[1] + ANGLE else None
 
 
-def outside_of(ends: Arc, lifted: bool) -> tuple[Arc, ...]:
-    """The exits of one arc: all that lies below it and above it on the real line, or the rest of
-    the circle.
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """A path θ' = F(θ) + ξ as long as it stays in ``arcs``; it ends in one of ``exits``, and both
+    together fill the space.
+
+    lifted : the space is the real line, where an exit reaches to ±inf; else the circle.
     """
-    return ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
+
+    map: CircleMap
+    noise: Noise
+    arcs: tuple[Arc, ...]
+    exits: tuple[Arc, ...]
+    lifted: bool
+
+    def __post_init__(self) -> None:
+        require_map(self.map)
+        require_noise(self.noise)
+
+    @classmethod
+    def out_of(cls, circle_map: CircleMap, noise: Noise, arc: Arc, lifted: bool) -> Passage:
+        """The passage out of one arc: into the rest of the circle, or below or above it on the
+        line.
+        """
+        start, end = arc_ends(arc, "arc", whole=lifted)
+        exits = ((-np.inf, start), (end, np.inf)) if lifted else ((end, start + TWO_PI),)
+        return cls(circle_map, noise, ((start, end),), exits, lifted)
+
+    @classmethod
+    def between(cls, circle_map: CircleMap, noise: Noise, a: Arc, b: Arc) -> Passage:
+        """The passage on the circle into one of two disjoint arcs, in this order the exits."""
+        begin = a[1] + float(np.mod(b[0] - a[1], TWO_PI))
+        finish = begin + (b[1] - b[0])
+        if begin > a[0] + TWO_PI or finish > a[0] + TWO_PI + SAME_ANGLE:
+            raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
+        rest = (a[1], begin), (finish, a[0] + TWO_PI)
+        arcs = tuple(ends for ends in rest if ends[1] - ends[0] > SAME_ANGLE)
+        return cls(circle_map, noise, arcs, (a, b), False)
+
+    def begun(self, start: float) -> float:
+        """``start``, moved by whole turns into the arc; InvalidInput where it lies outside."""
+        low, high = self.arcs[0]
+        inside = into_arc(finite_number("start", start), self.arcs[0])
+        if inside is None:
+            raise InvalidInput(
+                f"start is {start:g}, outside the arc ({low:g}, {high:g}): start inside it"
+            )
+        return inside
 
 
-def begun(start: float, arc: Arc, lifted: bool) -> tuple[float, Arc, tuple[Arc, ...]]:
-    """``start``, moved by whole turns into the arc, the arc's ends and its exits; InvalidInput
-    where it is no arc, or the start lies outside.
-    """
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = into_arc(finite_number("start", start), ends)
-    if inside is None:
-        raise InvalidInput(
-            f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it"
-        )
-    return inside, ends, outside_of(ends, lifted)
-
-
-def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
-    """The arcs between two disjoint arcs (those of positive length), or InvalidInput."""
-    begin = a[1] + float(np.mod(b[0] - a[1], TWO_PI))
-    finish = begin + (b[1] - b[0])
-    if begin > a[0] + TWO_PI or finish > a[0] + TWO_PI + 1e-14:
-        raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
-    rest = [(a[1], begin), (finish, a[0] + TWO_PI)]
-    return tuple(ends for ends in rest if ends[1] - ends[0] > 1e-14)
-
-
-_BLOCK = 48  # unknowns eliminated together
 _VISITS = 64  # cycles after which the states are ranked by how often they are visited
 
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """I - q = (I - U)(D - L) on the states in ``order``; the most visited is first, and eliminated
-    last.
+    """A chain as its excursions from the state that it visits most; ``order`` puts that one first.
 
-    ``packed`` (n, n) holds -U above the diagonal, D on it and -L below it; U, L >= 0.
+    Of the other states: ``within``, (n - 1, n - 1), how often each is visited from each before an
+    excursion ends; ``back`` and ``gone``, (n - 1,), the chances that it ends at the first state and
+    that the path leaves. Of the first: ``ahead``, (n - 1,), the chances of going to the others, and
+    ``leaving``, that of leaving before it is visited again.
     """
 
-    packed: Array
-    out: Array
     order: Whole
+    within: Array
+    back: Array
+    gone: Array
+    ahead: Array
+    leaving: float
 
-    def solve(self, reward: Array) -> Array:
-        """(I - q)⁻¹ reward: what is collected on average until the chain leaves; shape (n,) or (n,
-        columns).
+    def expected(self, reward: Array) -> tuple[Array, Array, Array]:
+        """x = (I - q)⁻¹ reward, what is collected on average until the path leaves, (n,) or (n,
+        columns); x at the most visited state; and its differences from that, with their own digits.
         """
-        after = _triangular(self.packed, reward[self.order], upper=True)
-        return self._restored(_triangular(self.packed, after))
-
-    def expected(self, reward: Array) -> tuple[Array, float, Array]:
-        """x = (I - q)⁻¹ reward; x at the most visited state; and its differences from that, with
-        their own digits.
-        """
-        sources = np.stack([reward[self.order], self.out], axis=1)
-        collected, gone = _triangular(self.packed, sources, upper=True).T
-        if not np.all(np.diag(self.packed) > 0.0):  # some state is never left, in floating point
-            return np.full(reward.size, np.inf), np.inf, np.full(reward.size, np.nan)
-        # Before the first visit to that state: what is collected, and the chance of leaving.
-        before = np.stack([collected, gone])
-        before[:, 0] = 0.0
-        values, left, chance = _triangular(self.packed, np.vstack([collected, before]).T).T
-        change = left - values[0] * chance
-        return self._restored(values), float(values[0]), self._restored(change)
-
-    def _restored(self, ordered: Array) -> Array:
-        values = np.empty_like(ordered)
-        values[self.order] = ordered
-        return values
+        first = self.order[0]
+        others = self.order[1:]
+        values = np.empty_like(reward)
+        change = np.zeros_like(reward)
+        with np.errstate(all="ignore"):
+            collected = self.within @ reward[others]
+            top = np.asarray((reward[first] + self.ahead @ collected) / self.leaving)
+            values[others] = collected + np.multiply.outer(self.back, top)
+            change[others] = collected - np.multiply.outer(self.gone, top)
+        values[first] = top
+        return values, top, change
 
 
 def eliminated(q: Array, out: Array) -> Elimination:
-    """Grassmann-Taksar-Heyman elimination (1985), in blocks: without a difference, so small chances
-    keep their digits.
+    """Grassmann-Taksar-Heyman elimination (1985): without a difference, so small chances keep their
+    digits.
 
     q : (n, n) chances of going from i to j (the diagonal is not used); out : (n,) of leaving. Every
         entry of what it solves has a small relative error whatever the sizes (O'Cinneide 1993).
@@ -136,53 +143,37 @@ def eliminated(q: Array, out: Array) -> Elimination:
         mass = mass @ q
         mass /= max(mass.sum(), np.finfo(float).tiny)
     order = np.argsort(-mass, kind="stable")
-    # The first column leads out; all sums are of >= 0.
-    work = np.column_stack([out[order], q[np.ix_(order, order)]])
-    for high in range(out.size, 0, -_BLOCK):
-        low = max(0, high - _BLOCK)
-        rows = slice(low, high)
-        among = slice(low + 1, high + 1)
-        before = slice(0, low + 1)
-        # The states of a block among themselves, then towards those before it.
-        block = work[rows, among]
-        away = work[rows, before].sum(axis=1)
-        for k in range(high - low - 1, -1, -1):
-            pivot = away[k] + np.sum(block[k, :k])
-            share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
-            block[k, k] = pivot
-            block[:k, k] = share
-            block[:k, :k] += np.multiply.outer(share, block[k, :k])
-            away[:k] += share * away[k]
-        pivots = np.diag(block)
-        shares = np.eye(high - low) - np.triu(block, 1)
-        moves = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1)
-        # An upper triangle is its own LU factor: these only substitute, in sums of >= 0.
-        work[rows, before] = np.linalg.solve(shares, work[rows, before])
-        work[:low, among] = np.linalg.solve(moves.T, work[:low, among].T).T
-        work[:low, before] += work[:low, among] @ work[rows, before]
-    packed = -work[:, 1:]
-    np.fill_diagonal(packed, -np.diag(packed))
-    return Elimination(packed, out[order], order)
+    moves = q[np.ix_(order, order)]
+    leaving = out[order]
+    with np.errstate(
+        all="ignore"
+    ):  # numbers beyond all floats are said to be inf by who reads them
+        within = visits(moves[1:, 1:], leaving[1:] + moves[1:, 0])
+        gone = within @ leaving[1:]
+        ahead = moves[0, 1:]
+        first = float(leaving[0] + ahead @ gone)
+        return Elimination(order, within, within @ moves[1:, 0], gone, ahead, first)
 
 
-def _triangular(packed: Array, values: Array, *, upper: bool = False) -> Array:
-    """Solve with the unit upper factor, or with the lower one, in blocks; nothing cancels when
-    ``values`` >= 0.
+def visits(q: Array, out: Array) -> Array:
+    """(I - q)⁻¹, how often each state is visited from each before the chain leaves, in sums of >= 0
+    alone: the second half of the states in its excursions from the first, then the first.
     """
-    solved = np.array(values)
-    lows = range(0, packed.shape[0], _BLOCK)
-    for low in reversed(lows) if upper else lows:
-        inside = slice(low, low + _BLOCK)
-        known = slice(low + _BLOCK, None) if upper else slice(0, low)
-        block = packed[inside, inside]
-        with np.errstate(over="ignore", invalid="ignore"):
-            rest = solved[inside] - packed[inside, known] @ solved[known]
-        # Turned upside down a lower triangle is an upper one.
-        if upper:
-            solved[inside] = np.linalg.solve(np.eye(block.shape[0]) + np.triu(block, 1), rest)
-        else:
-            solved[inside] = np.linalg.solve(np.tril(block)[::-1, ::-1], rest[::-1])[::-1]
-    return solved
+    if out.size < 2:
+        return np.diag(1.0 / out)
+    early = slice(0, out.size // 2)
+    late = slice(out.size // 2, out.size)
+    within = visits(q[late, late], out[late] + q[late, early].sum(axis=1))
+    onward = q[early, late] @ within
+    back = within @ q[late, early]
+    whole = np.empty_like(q)
+    whole[early, early] = visits(
+        q[early, early] + onward @ q[late, early], out[early] + onward @ out[late]
+    )
+    whole[early, late] = whole[early, early] @ onward
+    whole[late, early] = back @ whole[early, early]
+    whole[late, late] = within + whole[late, early] @ onward
+    return whole
 
 
 MAX_UNKNOWNS = 6_000
@@ -193,28 +184,21 @@ _MIN_BANDWIDTH = 4
 
 
 def killed_chain(
-    circle_map: CircleMap,
-    noise: Noise | None,
-    arcs: tuple[Arc, ...],
-    exits: tuple[Arc, ...],
-    lifted: bool,
+    passage: Passage,
     *,
     every_sample: bool = True,
     stretch: float = 1.0,
     most: int = MAX_UNKNOWNS,
 ) -> KilledChain:
-    """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they
-    fill the space.
+    """The chain of a passage on nodes of its arcs.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle.
     every_sample : panels of nodes end at every sample of a sampled map.
     stretch : factor on the nodes' bandwidth.
 
     Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
     jumps.
     """
-    require_map(circle_map)
-    noise = required_noise(noise)
+    noise = passage.noise
     if noise.jump > 0.0:
         raise InvalidInput(
             f"{noise!r} has a density that jumps, which this method cannot resolve: take a "
@@ -223,89 +207,90 @@ def killed_chain(
     bandwidth = float(_MIN_BANDWIDTH)
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05
-    bandwidth *= stretch
-    theta, weight = _nodes(circle_map, arcs, bandwidth, 1, every_sample)
-    if theta.size > most:
+    chain = KilledChain(passage, every_sample, stretch * bandwidth)
+    if chain.theta.size > most:
         raise InvalidInput(
-            f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width"
+            f"{noise!r} needs {chain.theta.size} nodes on the arc, more than {most}: raise its "
+            "width"
         )
-    return KilledChain(
-        circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight
-    )
-
-
-def _nodes(
-    circle_map: CircleMap, arcs: tuple[Arc, ...], bandwidth: float, finer: int, every_sample: bool
-) -> tuple[Array, Array]:
-    rules = [arc_rule(circle_map, *ends, bandwidth, finer, every_sample) for ends in arcs]
-    theta, weight = np.concatenate(rules, axis=1)
-    return theta, weight
+    return chain
 
 
 @dataclass(frozen=True, eq=False)
 class KilledChain:
-    """θ' = F(θ) + ξ on ``theta`` (n nodes of its arcs), until it enters an exit.
+    """A passage on ``theta`` (n nodes of its arcs), until it enters an exit.
 
     Below ``images`` are values F(x), shape (m,): the same questions are asked at nodes and between
     them.
     """
 
-    map: CircleMap
-    noise: Noise
-    arcs: tuple[Arc, ...]
-    exits: tuple[Arc, ...]
-    lifted: bool
+    passage: Passage
     every_sample: bool
     bandwidth: float
-    theta: Array
-    weight: Array
+    finer: int = 1
+
+    @cached_property
+    def rule(self) -> Rule:
+        """The nodes and their weights, ``finer`` times as many as the bandwidth asks for."""
+        rules = [
+            arc_rule(self.passage.map, *ends, self.bandwidth, self.finer, self.every_sample)
+            for ends in self.passage.arcs
+        ]
+        theta, weight = np.concatenate(rules, axis=1)
+        return theta, weight
+
+    @property
+    def theta(self) -> Array:
+        """(n,): the nodes."""
+        return self.rule[0]
+
+    @property
+    def weight(self) -> Array:
+        """(n,): their weights."""
+        return self.rule[1]
 
     @cached_property
     def images(self) -> Array:
         """(n,): F at the nodes."""
-        return self.map(self.theta)
+        return self.passage.map(self.theta)
 
     @cached_property
     def elimination(self) -> Elimination:
         """The chain on its own nodes, eliminated."""
         return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
 
-    def distance(self, gap: Array) -> Array:
-        """How far a noise must carry the path over a gap, at least: the shorter way where it is on
-        the circle.
-        """
-        return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
-
-    def finer(self) -> KilledChain:
-        """The same chain on twice as many nodes."""
-        theta, weight = _nodes(self.map, self.arcs, self.bandwidth, 2, self.every_sample)
-        return replace(self, theta=theta, weight=weight)
-
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
-        return self.noise.density(gap, self.lifted) * self.weight
+        return self.passage.noise.density(gap, self.passage.lifted) * self.weight
+
+    def pushes(self, images: Array, values: Array) -> Array:
+        """(m,): d/dF of Σ_j g(θ_j - F(x)) w_j values_j; or columns of several."""
+        gap = self.theta - images[:, None]
+        slopes = self.passage.noise.slope(gap, self.passage.lifted)
+        return np.asarray(-slopes * self.weight @ values)
 
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
-        low, high = np.array(self.exits).T[:, :, None]
-        if not self.lifted:
-            return self.noise.arc_probability(low - images, high - images)
+        low, high = np.array(self.passage.exits).T[:, :, None]
+        if not self.passage.lifted:
+            return self.passage.noise.arc_probability(low - images, high - images)
         # An exit is (-inf, end) or (end, inf): how far the noise must carry the image to enter it.
-        return self.noise.exceedance(np.where(np.isinf(high), low - images, images - high))
+        return self.passage.noise.exceedance(np.where(np.isinf(high), low - images, images - high))
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
-        low, high = np.array(self.exits).T[:, :, None]
-        at_low = self.noise.density(low - images, self.lifted)
-        return at_low - self.noise.density(high - images, self.lifted)
+        ends = np.array(self.passage.exits).T[:, :, None]
+        at_low, at_high = self.passage.noise.density(ends - images, self.passage.lifted)
+        return np.asarray(at_low - at_high)
 
     def expected(self, each: float, at: Array) -> Expectation:
         """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on
         leaving by exit e.
         """
         reward = each + at @ self.departures(self.images)
-        return Expectation(self, each, at, *self.elimination.expected(reward))
+        values, top, change = self.elimination.expected(reward)
+        return Expectation(self, each, at, values, float(top), change)
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,16 +321,15 @@ class Expectation:
 
     def value_at(self, theta: float) -> float:
         """X(θ)."""
-        return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
+        return float(self.values_at(self.chain.passage.map(np.array([theta])))[0][0])
 
     def growth(self, images: Array, chain: KilledChain) -> Array:
         """How fast c + ∫ g(y - F) X dy grows with F alone, at ``images``; the integral on the nodes
         of ``chain``.
         """
         around = self.values_at(chain.images)[1]
-        gap = chain.theta - images[:, None]
-        pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
-        return (self.at - self.top) @ chain.departure_slopes(images) - pushed
+        leaving = (self.at - self.top) @ chain.departure_slopes(images)
+        return np.asarray(leaving + chain.pushes(images, around))
 
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's
@@ -355,8 +339,8 @@ class Expectation:
         finer rule, then Φ bounds the error everywhere. Φ is solved for on the chain's own nodes.
         """
         chain = self.chain
-        fine = self.chain.finer()
-        images = np.append(chain.images, chain.map(theta))
+        fine = replace(chain, finer=2)
+        images = np.append(chain.images, chain.passage.map(theta))
         on_fine = self.values_at(fine.images)
         # X - c - ∫ g X dy at the images, and the sum of its terms' sizes: of the two forms the
         # better. A constant part of X, however large, drops out of the second one exactly.
@@ -378,10 +362,10 @@ class Expectation:
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
         own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
-        sources = np.stack([own, slope * chain.map.max_error], axis=1)
+        max_error = chain.passage.map.max_error
+        sources = np.stack([own, slope * max_error], axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
-            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(
-                sources[:-1]
-            )
+            onward, _, _ = chain.elimination.expected(sources[:-1])
+            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ onward
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
-        return float(own_bound), float(from_map) if chain.map.max_error else 0.0
+        return float(own_bound), float(from_map) if max_error else 0.0

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.special import log_ndtr
@@ -10,12 +13,12 @@ from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise, WrappedNormal, required_noise
+from cyclemap.maps.noise import Noise, WrappedNormal, reduced
 from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
     KilledChain,
-    begun,
+    Passage,
     killed_chain,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
@@ -94,25 +97,19 @@ def log10_passage_time(
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
-    sigma = required_noise(noise).sigma
-    inside, ends, exits = begun(start, arc, lifted)
-
-    def chain(every_sample: bool, stretch: float) -> KilledChain:
-        settings = circle_map, noise, (ends,), exits, lifted
-        return killed_chain(*settings, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
-
-    many = sigma is not None and chain(False, 1.0).theta.size > _FEW
-    if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
+    passage = Passage.out_of(circle_map, noise, arc, lifted)
+    inside = passage.begun(start)
+    if noise.sigma is None or not _is_endless(_chain(passage, False), inside):
         time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
-        if sigma is None:
+        if noise.sigma is None:
             raise InvalidInput(
                 f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known"
             )
     for every_sample in (False, True):
         value, again = (
-            _log_time(chain(every_sample, stretch), inside) for stretch in (1.0, _STRETCH)
+            _log_time(_chain(passage, every_sample, stretch), inside) for stretch in (1.0, _STRETCH)
         )
         bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
         if bound <= _ACCEPTED:
@@ -120,6 +117,15 @@ def log10_passage_time(
     raise ConvergenceError(
         f"ln of the mean passage time came out as {again:.9g} with error bound {bound:.3g}"
     )
+
+
+def _chain(passage: Passage, every_sample: bool, stretch: float = 1.0) -> KilledChain:
+    return killed_chain(passage, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
+
+
+def _is_endless(chain: KilledChain, start: float) -> bool:
+    """Whether the passage is longer than a float holds, as far as that need not be tried first."""
+    return chain.theta.size > _FEW and _log_time(chain, start) >= np.log(LONGEST)
 
 
 def _log_time(chain: KilledChain, start: float) -> float:
@@ -144,9 +150,8 @@ def _log_chance(chain: KilledChain, first: int, out: Array) -> Array:
     """ln h, h the chance of leaving before the next visit of node ``first``."""
     wider = chain
     if chain.theta.size > _FEW:
-        noise = WrappedNormal(2.0 * chain.noise.variance**0.5)
-        settings = chain.map, noise, chain.arcs, chain.exits, chain.lifted
-        wider = killed_chain(*settings, every_sample=chain.every_sample, most=_MOST_NODES)
+        noise = WrappedNormal(2.0 * _sigma(chain))
+        wider = _chain(replace(chain.passage, noise=noise), chain.every_sample)
     if wider.theta.size < chain.theta.size:
         at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
         coarse = _log_chance(wider, at, _log_departures(wider))
@@ -174,9 +179,7 @@ def _fixed(moves: csr_array, source: Array) -> Array:
 
 
 def _without(moves: csr_array, column: int) -> csr_array:
-    kept = moves.copy()
-    kept.data[kept.indices == column] = 0.0
-    return kept
+    return moves.multiply(np.arange(moves.shape[1]) != column).tocsr()
 
 
 def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
@@ -194,7 +197,7 @@ def _terms(chain: KilledChain, log_h: Array, out: Array) -> tuple[Whole, Whole, 
     """
     theta = chain.theta
     size = theta.size
-    sigma = chain.noise.variance**0.5
+    sigma = _sigma(chain)
     value = log_h + np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     begin = np.arange(0, size, _BLOCK)
     last = np.minimum(begin + _BLOCK, size) - 1
@@ -206,16 +209,16 @@ def _terms(chain: KilledChain, log_h: Array, out: Array) -> tuple[Whole, Whole, 
     step = max(1, _ENTRIES // begin.size)
     for at in range(0, size, step):
         image = chain.images[at : at + step, None]
-        sure = value[best] - 0.5 * (chain.distance(theta[best] - image) / sigma) ** 2
+        sure = value[best] - 0.5 * (_distance(chain, theta[best] - image) / sigma) ** 2
         least = np.maximum(sure.max(axis=1), out[at : at + step]) - _CUT
-        nearest = np.maximum(chain.distance(middle - image) - half, 0.0)
+        nearest = np.maximum(_distance(chain, middle - image) - half, 0.0)
         row, block = np.nonzero(top - 0.5 * (nearest / sigma) ** 2 > least[:, None])
         column = (begin[block, None] + np.arange(_BLOCK)).ravel()
         row = np.repeat(row, _BLOCK)[column < size]
         column = column[column < size]
-        near = chain.distance(theta[column] - image[row, 0])
+        near = _distance(chain, theta[column] - image[row, 0])
         term = value[column] - 0.5 * (near / sigma) ** 2
-        if not chain.lifted:  # from the two nearest images
+        if not chain.passage.lifted:  # from the two nearest images
             term = np.logaddexp(term, value[column] - 0.5 * ((TWO_PI - near) / sigma) ** 2)
         counts = term > least[row]
         kept.append((at + row[counts], column[counts], term[counts]))
@@ -223,9 +226,20 @@ def _terms(chain: KilledChain, log_h: Array, out: Array) -> tuple[Whole, Whole, 
     return row, column, term
 
 
+def _sigma(chain: KilledChain) -> float:
+    return math.sqrt(chain.passage.noise.variance)
+
+
+def _distance(chain: KilledChain, gap: Array) -> Array:
+    """How far a noise must carry the path over a gap, at least: the shorter way where it is on the
+    circle.
+    """
+    return np.abs(gap if chain.passage.lifted else reduced(gap))
+
+
 def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
     """The chance that the path from ``start`` visits the first state before it leaves."""
-    image = chain.map(np.array([start]))
+    image = chain.passage.map(np.array([start]))
     step = chain.transitions(image)[0]
     left = float(np.sum(chain.departures(image)))
     return float(step @ returns / (step.sum() + left))
@@ -255,8 +269,9 @@ def _log_leaving(chain: KilledChain, first: int, out: Array) -> Array:
 
 def _log_departures(chain: KilledChain) -> Array:
     """(n,): ln of the chance of leaving at once."""
-    (start, end), sigma = chain.arcs[0], chain.noise.variance**0.5
-    if chain.lifted:
+    start, end = chain.passage.arcs[0]
+    sigma = _sigma(chain)
+    if chain.passage.lifted:
         return np.asarray(
             np.logaddexp(
                 log_ndtr((chain.images - end) / sigma), log_ndtr((start - chain.images) / sigma)

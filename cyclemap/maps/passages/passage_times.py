@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise, required_noise
-from cyclemap.maps.passages.cell_passage import cell_passage
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.operator.cells import Cells, cells_of
 from cyclemap.maps.passages.killed_chain import (
     Arc,
+    Passage,
     arc_ends,
-    arcs_between,
-    begun,
+    eliminated,
     into_arc,
     killed_chain,
 )
@@ -30,16 +30,13 @@ _BESIDE = (
     0.01  # share of what the map's own error makes uncertain, below which more nodes are of no use
 )
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
+_CELLS = 256  # of the arcs together, and twice as many for the error
+_LARGEST = 0.02  # relative error bound that is accepted on cells
 
 
 @one_thread
 def mean_passage_time(
-    circle_map: CircleMap,
-    noise: Noise | None,
-    start: float,
-    arc: Arc,
-    *,
-    lifted: bool = False,
+    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False
 ) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
@@ -47,7 +44,7 @@ def mean_passage_time(
     ----------
     circle_map : CircleMap
         The map F.
-    noise : Noise or None
+    noise : Noise
         ξ, added after it.
     start : float
         Radians, inside the arc.
@@ -73,7 +70,7 @@ def mean_passage_time(
     between the map's breaks and samples (Nyström), is eliminated without subtraction from the
     exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles
     keep their digits; inf above 1e300, where ``log10_passage_time`` goes on. Under ``UniformNoise``
-    see ``cell_passage``.
+    the arcs are cut into cells, and the bound is measured.
 
     ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
     included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952): proved; r and Φ
@@ -95,20 +92,14 @@ def mean_passage_time(
     >>> round(time, 3), time.error_bound < 1e-9
     (44.624, True)
     """
-    inside, ends, exits = begun(start, arc, lifted)
-    rewards = np.zeros(len(exits))
-    return _collected(
-        circle_map, noise, inside, (ends,), exits, lifted, 1.0, rewards, "mean passage time"
-    )
+    passage = Passage.out_of(circle_map, noise, arc, lifted)
+    goals = np.zeros(len(passage.exits))
+    return _collected(passage, passage.begun(start), 1.0, goals, "mean passage time")
 
 
 @one_thread
 def hitting_probability(
-    circle_map: CircleMap,
-    noise: Noise | None,
-    start: float,
-    arc_a: Arc,
-    arc_b: Arc,
+    circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc
 ) -> Estimate:
     """Probability that a noisy path is in one arc at an earlier cycle than in another.
 
@@ -116,7 +107,7 @@ def hitting_probability(
     ----------
     circle_map : CircleMap
         The map F.
-    noise : Noise or None
+    noise : Noise
         ξ, added after it.
     start : float
         Radians; inside one of the arcs it gives 1 or 0.
@@ -146,17 +137,13 @@ def hitting_probability(
     >>> round(even, 9), even.holds(0.5)
     (0.5, True)
     """
-    a = arc_ends(arc_a, "arc_a")
-    b = arc_ends(arc_b, "arc_b")
-    rest = arcs_between(a, b)
+    arcs = arc_ends(arc_a, "arc_a"), arc_ends(arc_b, "arc_b")
+    passage = Passage.between(circle_map, noise, *arcs)
     theta = finite_number("start", start)
-    for ends, answer in ((a, 1.0), (b, 0.0)):
+    for ends, answer in zip(arcs, (1.0, 0.0), strict=True):
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
-    goals = np.array([1.0, 0.0])
-    chance = _collected(
-        circle_map, noise, theta, rest, (a, b), False, 0.0, goals, "hitting probability"
-    )
+    chance = _collected(passage, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
     if not np.isfinite(chance):
         raise ConvergenceError(
             "neither arc is reached within 1e300 cycles: raise the noise or widen the arcs"
@@ -164,26 +151,16 @@ def hitting_probability(
     return Estimate(min(chance, 1.0), chance.error_bound)
 
 
-def _collected(
-    circle_map: CircleMap,
-    noise: Noise | None,
-    start: float,
-    arcs: tuple[Arc, ...],
-    exits: tuple[Arc, ...],
-    lifted: bool,
-    each: float,
-    at: Array,
-    name: str,
-) -> Estimate:
-    """What a path collects on average until it leaves: on few nodes first, on more where their
-    bound is not good.
+def _collected(passage: Passage, start: float, each: float, at: Array, name: str) -> Estimate:
+    """What a path collects on average until it leaves: ``each`` a cycle, ``at[e]`` by exit e.
+
+    On few nodes first, on more where their bound is not good.
     """
-    jump = required_noise(noise).jump
-    if jump > 0.0:
-        return cell_passage(circle_map, jump, start, arcs, exits, lifted, each, at)
-    make = partial(killed_chain, circle_map, noise, arcs, exits, lifted)
+    if passage.noise.jump > 0.0:
+        return _collected_on_cells(passage, start, each, at)
     for every_sample, stretch in (False, 1.0), (True, _MORE):
-        expected = make(every_sample=every_sample, stretch=stretch).expected(each, at)
+        chain = killed_chain(passage, every_sample=every_sample, stretch=stretch)
+        expected = chain.expected(each, at)
         if not abs(expected.top) < LONGEST:
             return Estimate(np.inf, np.inf)
         value = expected.value_at(start)
@@ -191,7 +168,7 @@ def _collected(
         own += SOLUTION * abs(value)
         if own <= max(_GOOD * abs(value), min(_ACCEPTED * abs(value), _BESIDE * from_map)):
             return Estimate(value, own + from_map)
-    other = make(every_sample=True, stretch=1.0).expected(each, at).value_at(start)
+    other = killed_chain(passage).expected(each, at).value_at(start)
     own = min(own, 10.0 * abs(other - value) + ELIMINATION * abs(value))
     if not own <= _ACCEPTED * abs(value):
         raise ConvergenceError(
@@ -199,6 +176,95 @@ def _collected(
             "for so small a noise; raise the noise or give the map's breaks"
         )
     return Estimate(value, own + from_map)
+
+
+def _collected_on_cells(passage: Passage, start: float, each: float, at: Array) -> Estimate:
+    """The same under noise whose density jumps.
+
+    The arcs are cut into 512 cells, on each of which F is taken for straight; chances of going from
+    cell to cell are exact then, and nothing is subtracted when the chain is eliminated.
+    ``error_bound``: twice the difference from half as many cells, the error being of their second
+    order, and what the map's ``max_error`` changes, to first order where every cell's image is off
+    to its own side, or moved up and down by it; measured. inf where a part of the arcs that the
+    path comes to is left by none of the cells' chances.
+
+    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage
+    hangs on a gap as narrow as a cell.
+    """
+    few, many = (_cells(passage, start, count) for count in (_CELLS, 2 * _CELLS))
+    off = passage.map.max_error
+    value, moved = _collected_by(many, passage, each, at, off)
+    coarse, _ = _collected_by(few, passage, each, at)
+    if np.isinf(value) and np.isinf(coarse):
+        return Estimate(np.inf, 0.0)
+    with np.errstate(invalid="ignore"):
+        bound = 2.0 * abs(value - coarse) + SOLUTION * value
+    if not bound <= max(_LARGEST * value, SOLUTION):
+        raise ConvergenceError(
+            f"the passage came out as {value:.6g} with error bound {bound:.2g}: it hangs on a gap "
+            f"as narrow as a cell of the arcs; raise the width of {passage.noise!r} or take a "
+            "noise with a smooth density"
+        )
+    if off > 0.0:
+        above, below = (
+            _collected_by(few.moved(shift), passage, each, at)[0] for shift in (off, -off)
+        )
+        bound += max(moved, abs(above - below))
+    return Estimate(value, bound)
+
+
+def _cells(passage: Passage, start: float, count: int) -> Cells:
+    """``start``, as a cell without length, and ``count`` cells of the arcs."""
+    cells = cells_of(passage.map, passage.noise.jump, passage.arcs, count)
+    image = float(passage.map(start))
+    return replace(
+        cells,
+        start=np.append(start, cells.start),
+        end=np.append(start, cells.end),
+        images=np.insert(cells.images, 0, image, axis=1),
+    )
+
+
+def _chances(cells: Cells, passage: Passage) -> tuple[Array, Array]:
+    """(n, n): of going from cell to cell; (n, exits): of leaving by each exit."""
+    starts, ends = np.array(passage.exits).T
+    moves = cells.between(cells.start, cells.end, passage.lifted)
+    return moves, cells.between(starts, ends, passage.lifted)
+
+
+def _collected_by(
+    cells: Cells, passage: Passage, each: float, at: Array, off: float = 0.0
+) -> tuple[float, float]:
+    """What a path from the first cell collects on average.
+
+    And what that changes, to first order, where every image may be ``off`` by so much, each to its
+    own side. Paths that can leave no more collect nothing further, or for ever where ``each`` is
+    above 0.
+    """
+    moves, gone = _chances(cells, passage)
+    leads = _grown(gone.sum(axis=1) > 0.0, moves.T > 0.0)
+    visited = _grown(np.arange(leads.size) == 0, moves > 0.0)
+    if not leads[0] or (each > 0.0 and np.any(visited & ~leads)):
+        return (float("inf") if each > 0.0 else 0.0), 0.0
+    kept = np.ix_(leads, leads)
+    chain = eliminated(moves[kept], gone[leads].sum(axis=1) + moves[leads][:, ~leads].sum(axis=1))
+    solved, _, _ = chain.expected(each + gone[leads] @ at)
+    here = moves[kept] @ solved + gone[leads] @ at
+    change = np.zeros_like(here)
+    for shift in (-off, off) if off else ():
+        there, gone_there = _chances(cells.moved(shift), passage)
+        after = there[kept] @ solved + gone_there[leads] @ at
+        change = np.maximum(change, np.abs(after - here))
+    return float(solved[0]), float(chain.expected(change)[0][0])
+
+
+def _grown(mask: Mask, leads: Mask) -> Mask:
+    """All states that are reached from those of ``mask``, leads[i, j] saying that i leads to j."""
+    while True:
+        more = mask | np.any(leads[mask], axis=0)
+        if np.array_equal(more, mask):
+            return mask
+        mask = more
 
 
 @one_thread
@@ -249,9 +315,9 @@ def survival_probabilities(
     """
     count = whole_number("cycles", cycles, least=0)
     require_room("the chances", count, "give fewer cycles")
-    inside, ends, exits = begun(start, arc, lifted)
-    chain = killed_chain(circle_map, noise, (ends,), exits, lifted)
-    images = np.append(chain.images, circle_map(inside))
+    passage = Passage.out_of(circle_map, noise, arc, lifted)
+    chain = killed_chain(passage)
+    images = np.append(chain.images, circle_map(passage.begun(start)))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]
     staying = np.ones(chain.theta.size)

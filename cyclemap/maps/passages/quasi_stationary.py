@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,16 +15,14 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.passages.killed_chain import Arc, KilledChain, arc_ends, killed_chain, outside_of
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.passages.killed_chain import Arc, KilledChain, Passage, killed_chain, visits
 from cyclemap.one_thread import one_thread
 
 _OTHER = 1.4  # bandwidth of the second solution over that of the first
 _APART = 10.0  # times the difference of the two: the bound
-_SQUARINGS = 40
-_NEARLY = 1e-13  # change that ends them
-_CYCLES = 20_000
-_SETTLED = 1e-13  # relative change of every node's chance that ends single cycles
+_ROUNDS = 5_000
+_SETTLED = 1e-13  # relative difference of every node's chances that ends them
 _NOTHING = 1e-290  # chances that are none
 _ACCEPTED = 1e-6  # relative error bound of the escape rate, ``max_error`` apart
 
@@ -61,11 +58,11 @@ class QuasiStationary:
         from its nodes.
         """
         angles = finite_array("theta", theta)
-        chain = self._chain
-        gaps = angles.ravel() - chain.images[:, None]
-        density = self._mass @ chain.noise.density(gaps, chain.lifted) / (1.0 - self.escape_rate)
-        inside = (angles >= chain.arcs[0][0]) & (angles <= chain.arcs[0][1])
-        return np.where(inside, density.reshape(angles.shape), 0.0)
+        passage = self._chain.passage
+        gaps = angles.ravel() - self._chain.images[:, None]
+        density = self._mass @ passage.noise.density(gaps, lifted=True) / (1.0 - self.escape_rate)
+        low, high = passage.arcs[0]
+        return np.where((angles >= low) & (angles <= high), density.reshape(angles.shape), 0.0)
 
 
 @one_thread
@@ -93,17 +90,17 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     InvalidInput
         As ``mean_passage_time``.
     ConvergenceError
-        Where the rate is not known to 1e-6 of itself.
+        Where the rate is not known to 1e-6 of itself, is nearly the same from several parts of the
+        arc, or is below every float.
 
     Notes
     -----
-    ν K = λ ν by repeated squaring of the chain on Nyström's nodes: sums of positive terms, so that
-    small chances keep their digits, and 1 - λ is ν's chance of leaving in a cycle, never a
-    difference. ``error_bound``: ten times the difference from other nodes, measured, and what the
-    map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of the chance of leaving and of w(F
-    + ξ), w the solution of (λ - K) w = chance of leaving - mean; or what the maps change that are
-    off by ±ε with the signs of ∂/∂F, where that is more. (Collet, Martínez & San Martín,
-    Quasi-Stationary Distributions, 2013.)
+    ν K = λ ν by inverse iteration on Nyström's nodes, (I - K)⁻¹ by elimination without subtraction:
+    sums of positive terms, so that small chances keep their digits, and 1 - λ is ν's chance of
+    leaving in a cycle, never a difference. ``error_bound``: ten times the difference from other
+    nodes, measured, and what the map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of the
+    chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean; or
+    what the maps change that are off by ±ε with the signs of ∂/∂F, where that is more.
 
     References
     ----------
@@ -116,10 +113,9 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     >>> round(1.0 / slips.escape_rate, 3), slips.above > 0.999
     (3575.286, True)
     """
-    ends = arc_ends(arc, "arc", whole=True)
-    make = partial(killed_chain, circle_map, noise, (ends,), outside_of(ends, True), True)
-    chain = make(every_sample=False, stretch=_OTHER)
-    other = make(every_sample=True, stretch=1.0)
+    passage = Passage.out_of(circle_map, noise, arc, lifted=True)
+    chain = killed_chain(passage, every_sample=False, stretch=_OTHER)
+    other = killed_chain(passage)
     mass, rates = _lasting(chain, chain.images)
     total = float(rates.sum())
     others = _lasting(other, other.images)[1]
@@ -141,7 +137,7 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float, float]:
     """How much the escape rate and the shares of the exits may change by the map's
     ``max_error``."""
-    epsilon = chain.map.max_error
+    epsilon = chain.passage.map.max_error
     total = rates.sum()
     slopes = _slopes(chain, mass, rates)
     shares = rates / total
@@ -167,30 +163,26 @@ def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float,
 def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
     """The quasi-stationary chances of the nodes, (n,), and those of leaving in a cycle by each
     exit; F at the nodes.
+
+    By inverse iteration: of all eigenvalues λ of the chain the largest one is the nearest to 1.
+    From two random laws, which agree in the end: a law that changes little may be far from it yet.
     """
-    moves = chain.transitions(images)
-    power = moves
-    mass = np.full(chain.theta.size, 1.0 / chain.theta.size)
-    for _ in range(_SQUARINGS):
-        after = mass @ power
-        after /= after.sum()
-        settled = np.abs(after - mass).sum() <= _NEARLY
-        mass = after
-        if settled:
-            break
-        power = power @ power
-        power /= power.sum(axis=1).max()
-    # Single cycles give the small chances their digits: a rounding is forgotten by the next ones,
-    # not squared.
-    for _ in range(_CYCLES):
-        after = mass @ moves
-        after /= after.sum()
-        settled = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING)
-        mass = after
-        if settled:
-            return mass, chain.departures(images) @ mass
+    gone = chain.departures(images)
+    with np.errstate(all="ignore"):
+        runs = visits(chain.transitions(images), gone.sum(axis=0))
+    if not np.all(np.isfinite(runs)):
+        raise ConvergenceError(
+            "the path stays longer than any number says: take a shorter arc, or raise the noise"
+        )
+    laws = np.random.default_rng(1).uniform(size=(2, chain.theta.size))
+    for _ in range(_ROUNDS):
+        laws = laws @ runs
+        laws /= laws.sum(axis=1, keepdims=True)
+        mass, other = laws
+        if np.all(np.abs(mass - other) <= _SETTLED * mass + _NOTHING):
+            return mass, gone @ mass
     raise ConvergenceError(
-        "the path keeps turning in the arc or stays in several parts of it: take a shorter arc"
+        "the escape rate is nearly the same from several parts of the arc: take a shorter arc"
     )
 
 
@@ -208,7 +200,6 @@ def _slopes(chain: KilledChain, mass: Array, rates: Array) -> Array:
     later = np.linalg.solve(bordered, np.append(gone, np.zeros((rates.size, 1)), axis=1).T)[:size]
     # But for its value at the most visited node, which moves with the chance of staying.
     level = later[np.argmax(mass)]
-    gap = chain.theta - chain.images[:, None]
-    pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ (later - level)
     leaving = chain.departure_slopes(chain.images)
-    return np.asarray(leaving - pushed.T - np.multiply.outer(level, leaving.sum(axis=0)))
+    pushed = chain.pushes(chain.images, later - level).T
+    return np.asarray(leaving + pushed - np.multiply.outer(level, leaving.sum(axis=0)))

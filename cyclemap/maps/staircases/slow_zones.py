@@ -1,6 +1,4 @@
-"""Slow zones: where a noisy path lingers, how long, and the staircase that follows, of one map or
-one that wears.
-"""
+"""Slow zones: where a noisy path lingers, how long, and the staircase that follows."""
 
 from __future__ import annotations
 
@@ -9,18 +7,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import read_only, require_room, whole_number
+from cyclemap.arrays import TWO_PI, Array, stretches
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.map_algebra import shifted
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
-from cyclemap.maps.passages.killed_chain import killed_chain, outside_of
+from cyclemap.maps.passages.killed_chain import Passage, killed_chain
 from cyclemap.maps.passages.passage_times import mean_passage_time
-from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
@@ -33,8 +29,6 @@ _MAX_NODES = 2_000
 _LONGEST_VISIT = (
     1e5  # cycles: beyond, visits are taken to be exponential, with the residence as mean
 )
-_TOLERANCE = 1e-2  # turns
-_KINKS = 12  # knots of a blend, at which its winding bends, up to which each is an end of a panel
 _LINGERING = 1.5  # a ghost's mean density is at least this many times the uniform one
 
 
@@ -184,17 +178,10 @@ def predict_staircase(
     known = transfer_operator(circle_map, noise) if operator is None else operator
     require_degree_one(circle_map, "a staircase")
     mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
-    grid = TWO_PI * np.arange(_GRID) / _GRID
-    turn = circle_map.turn(grid)
-    if np.ptp(turn) <= _FLAT:
-        return StaircaseSummary(mean_turn, None, None, ())
-    zones = _stable_zones(circle_map, noise)
-    if not zones:
-        share = (np.arange(_INSIDE) + 0.5) / _INSIDE
-        for ghost in _ghosts(circle_map, noise, grid, turn):
-            inside = ghost.arc[0] + (ghost.arc[1] - ghost.arc[0]) * share
-            if TWO_PI * np.mean(known.density(inside)) >= _LINGERING:
-                zones.append(ghost)
+    turn = circle_map.turn(TWO_PI * np.arange(_GRID) / _GRID)
+    zones = []
+    if np.ptp(turn) > _FLAT:
+        zones = _stable_zones(circle_map, noise) or _ghosts(circle_map, noise, known, turn)
     if not zones:
         return StaircaseSummary(mean_turn, None, None, ())
     residences = [zone.residence_cycles for zone in zones]
@@ -228,31 +215,35 @@ def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
     return zones
 
 
-def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> list[SlowZone]:
+def _ghosts(
+    circle_map: CircleMap, noise: Noise, operator: TransferOperator, turn: Array
+) -> list[SlowZone]:
+    """The slow arcs where the path lingers; ``turn`` is F(θ) - θ on an even grid."""
     winding = round(float(np.mean(turn)) / TWO_PI)
     still = shifted(circle_map, -winding)
     turn = turn - TWO_PI * winding
+    level = 0.5 * float(np.mean(np.abs(turn)))
+    # The grid begins where the map is not slow: no stretch goes round its end.
+    begin = int(np.argmax(np.abs(turn)))
+    turn = np.roll(turn, -begin)
     slowness = np.abs(turn)
-    level = 0.5 * float(np.mean(slowness))
-    slow = slowness < level
-    if not np.any(slow) or np.all(slow):
-        return []
     zones = []
-    step = float(grid[1])
-    for first in np.flatnonzero(slow & ~np.roll(slow, 1)).tolist():
-        # The slow arc begins at this grid point and ends where |turn| crosses the level.
-        ahead = np.roll(turn, -first)
-        slowness = np.abs(ahead)
-        length = int(np.argmax(slowness >= level))
+    step = TWO_PI / _GRID
+    share = (np.arange(_INSIDE) + 0.5) / _INSIDE
+    for first, end in stretches(slowness < level):
+        # The slow arc begins and ends where |turn| crosses the level.
         before, after = (
             float((level - slowness[inside]) / (slowness[outside] - slowness[inside]))
-            for inside, outside in ((0, -1), (length - 1, length))
+            for inside, outside in ((first, first - 1), (end - 1, end % _GRID))
         )
-        begin = float(grid[first])
-        arc = begin - step * before, begin + step * (length - 1 + after)
-        slowest = int(np.argmin(slowness[:length]))
-        residence = mean_passage_time(still, noise, arc[int(ahead[slowest] < 0.0)], arc)
-        centre = (begin + step * slowest) % TWO_PI
+        start = step * ((begin + first) % _GRID)
+        arc = start - step * before, start + step * (end - first - 1 + after)
+        within = arc[0] + (arc[1] - arc[0]) * share
+        if TWO_PI * np.mean(operator.density(within)) < _LINGERING:
+            continue
+        slowest = first + int(np.argmin(slowness[first:end]))
+        residence = mean_passage_time(still, noise, arc[int(turn[slowest] < 0.0)], arc)
+        centre = (start + step * (slowest - first)) % TWO_PI
         zones.append(SlowZone(centre, arc, "ghost", residence, winding))
     return sorted(zones, key=lambda zone: zone.centre)
 
@@ -293,19 +284,11 @@ def _visit_moments(
     """Visits begun per cycle, E length, E length²; None where it takes too many nodes, or the noise
     has a density that jumps.
     """
-    arcs = tuple(pairwise((zone.arc[0], *zone.core, zone.arc[1])))
-    exits = outside_of(zone.arc, lifted=True)
+    out_of = Passage.out_of(circle_map, noise, zone.arc, lifted=True)
+    # Panels of nodes end at the core.
+    passage = replace(out_of, arcs=tuple(pairwise((zone.arc[0], *zone.core, zone.arc[1]))))
     try:
-        chain = killed_chain(
-            circle_map,
-            noise,
-            arcs,
-            exits,
-            lifted=True,
-            every_sample=False,
-            stretch=stretch,
-            most=_MAX_NODES,
-        )
+        chain = killed_chain(passage, every_sample=False, stretch=stretch, most=_MAX_NODES)
     except InvalidInput:
         return None
     theta = chain.theta
@@ -329,125 +312,3 @@ def _run_moments(moves: Array, out: Array) -> tuple[Array, Array, Array]:
     chance = runs @ out
     length = runs @ chance
     return chance, length, runs @ (chance + 2.0 * (moves @ length))
-
-
-@dataclass(frozen=True, eq=False)
-class DriftSummary:
-    """The staircase of a slowly drifting map, as if each cycle's map had been there for ever.
-
-    Attributes
-    ----------
-    cycles : ndarray, shape (k,)
-        Where the frozen map was analysed.
-    summaries : tuple of StaircaseSummary
-        What theory says of each frozen map.
-    turns : Estimate
-        Whole turns expected over the run, Σ_n ρ_n, an Estimate whose bound covers the sum, not
-        the lag.
-    lag_turns : float
-        Σ |ρ_{n+1} - ρ_n| × (cycles in which the law forgets), over the chosen cycles: the size,
-        not a bound, of what the adiabatic picture leaves out. Trust ``turns`` no better than
-        that.
-
-    Examples
-    --------
-    >>> from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_drift
-    >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
-    >>> drift = predict_drift(worn, WrappedNormal(1.0), 100, points=2)
-    >>> drift.cycles.tolist(), [round(summary.mean_turn, 4) for summary in drift.summaries]
-    ([0.0, 99.0], [0.6283, 1.885])
-    """
-
-    cycles: Array
-    summaries: tuple[StaircaseSummary, ...]
-    turns: Estimate
-    lag_turns: float
-
-    @property
-    def steps(self) -> float | None:
-        """Steps expected over the run, ``turns`` × 2π/step; None where the step changes or there is
-        none.
-        """
-        height = np.array([summary.step for summary in self.summaries], dtype=np.float64)
-        return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
-
-
-@one_thread
-def predict_drift(
-    drifting: DriftingMap, noise: Noise, cycles: int, points: int = 5
-) -> DriftSummary:
-    """The adiabatic (quasi-static) staircase of a run under slow wear.
-
-    Parameters
-    ----------
-    drifting : DriftingMap
-        The map at every cycle.
-    noise : Noise
-        Added after it.
-    cycles : int
-        Cycles of the run.
-    points : int, default 5
-        At how many cycles, evenly spread from the first to the last, the frozen map is
-        analysed.
-
-    Returns
-    -------
-    DriftSummary
-        The staircases of the frozen maps, and the expected climb.
-
-    Notes
-    -----
-    At each of these cycles, ``predict_staircase`` of the frozen map; and the expected climb Σ_n
-    ρ_n, ρ_n the frozen map's rotation number, by adaptive quadrature over the run to a hundredth of
-    a turn; the bound is its estimate of its error, and what the sum may differ from the integral by,
-    from how much the slope of ρ_n changes over the run (measured). The law lags behind a drifting
-    map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter,
-    and the start's own approach adds up to a turn.
-
-    References
-    ----------
-    Gardiner, C. (2009), Stochastic methods, chapter 8.
-
-    Examples
-    --------
-    >>> from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_drift
-    >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
-    >>> round(predict_drift(worn, WrappedNormal(1.0), 100, points=2).turns, 9)
-    20.0
-    """
-    from scipy.integrate import quad_vec  # slow to import
-
-    if not isinstance(drifting, DriftingMap):
-        raise InvalidInput(
-            f"the map is {drifting!r}: give a DriftingMap, or use predict_staircase for a fixed map"
-        )
-    count = whole_number("cycles", cycles, least=2)
-    many = whole_number("points", points, least=2)
-    require_room("the frozen maps", many, "give fewer points")
-    chosen = np.linspace(0.0, count - 1.0, many)
-    operators = [transfer_operator(drifting.at(n), noise) for n in chosen]
-    summaries = tuple(predict_staircase(operator.map, noise, operator) for operator in operators)
-
-    def winding(n: float) -> float:
-        """The rotation number without its bound, which costs several times as much."""
-        operator = transfer_operator(drifting.at(n), noise)
-        theta, weight = operator.discretisation.rule
-        return float((weight * operator.density(theta)) @ operator.map.turn(theta)) / TWO_PI
-
-    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards).
-    ends = -0.5, count - 0.5
-    inner = drifting.cycles[(drifting.cycles > ends[0]) & (drifting.cycles < ends[1])]
-    kinks = inner if inner.size < _KINKS else ()
-    turns, off = quad_vec(winding, *ends, epsabs=_TOLERANCE, epsrel=0.0, points=kinks)
-    change = np.abs(np.diff([operator.rotation_number for operator in operators]))
-    # That rule is off by an eighth of how much the slope changes, or less.
-    places = np.union1d(chosen, inner)
-    slopes = np.diff([winding(n) for n in places.tolist()]) / np.diff(places)
-    off += float(np.max(np.abs(slopes)) + np.sum(np.abs(np.diff(slopes)))) / 8.0
-    gaps = [min(pair) for pair in pairwise(operator.spectral_gap for operator in operators)]
-    lags = [
-        moved / gap if gap > 0.0 else float("inf")
-        for moved, gap in zip(change.tolist(), gaps, strict=True)
-        if moved > 0.0
-    ]
-    return DriftSummary(read_only(chosen), summaries, Estimate(turns, off), float(sum(lags)))

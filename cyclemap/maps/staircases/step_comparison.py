@@ -7,10 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI
-from cyclemap.checks import finite_array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
 from cyclemap.maps.staircases.step_detection import Steps
@@ -153,24 +151,8 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
         raise InvalidInput(
             "give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order"
         )
-    length, length_error = (
-        kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
-    )
-    net = expected = error = pace = None
-    if prediction.step is not None:
-        turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
-        net = steps.climb / prediction.step
-        expected = turn * steps.cycles / prediction.step
-        if steps.count >= 2:
-            periods = np.diff(steps.start)
-            surplus = steps.heights - turn * periods
-            between = steps.cycles * float(np.mean(surplus**2) / np.mean(periods))
-            within = 2.0 * float(np.mean(steps.scatter**2))
-            error = float(np.sqrt(between + within) / prediction.step)
-        if error and steps.count >= _FEWEST_PERIODS:
-            from scipy.special import stdtr  # slow to import, as below
-
-            pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
+    length, length_error = kaplan_meier_mean(steps.lengths, steps.censored)
+    net, expected, error, pace = _pace(steps, prediction)
     zones = steps.zones if steps.zones == prediction.zones else ()
     return StepComparison(
         steps=steps.count,
@@ -182,38 +164,52 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
         expected_steps=expected,
         net_error=error,
         pace_p_value=pace,
-        visits=tuple(_compared(steps, i, zone) for i, zone in enumerate(zones)),
+        visits=tuple(_compared(steps, index, zone) for index, zone in enumerate(zones)),
     )
 
 
-def kaplan_meier_mean(
-    lengths: npt.ArrayLike, censored: npt.ArrayLike
-) -> tuple[float | None, float | None]:
+def _pace(
+    steps: Steps, prediction: StaircaseSummary
+) -> tuple[float | None, float | None, float | None, float | None]:
+    """Net steps, those expected, the standard error of their difference, and its p-value."""
+    if prediction.step is None:
+        return None, None, None, None
+    turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
+    net = steps.climb / prediction.step
+    expected = turn * steps.cycles / prediction.step
+    if steps.count < 2:
+        return net, expected, None, None
+    periods = np.diff(steps.start)
+    surplus = steps.heights - turn * periods
+    between = steps.cycles * float(np.mean(surplus**2) / np.mean(periods))
+    within = 2.0 * float(np.mean(steps.scatter**2))
+    error = float(np.sqrt(between + within) / prediction.step)
+    if error == 0.0 or steps.count < _FEWEST_PERIODS:
+        return net, expected, error, None
+    from scipy.special import stdtr  # slow to import, as below
+
+    return net, expected, error, float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
+
+
+def kaplan_meier_mean(lengths: Array | Whole, censored: Mask) -> tuple[float | None, float | None]:
     """Mean and standard error of lengths of which some are only known to be at least so long.
 
-    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function
-        (Kaplan & Meier 1958) up to the longest length, with Greenwood's (1926) variance. Where the
-        longest is censored the mean is too small. (None, None) where every length is censored; the
-        error is None for one alone.
+    lengths, censored : shape (n,), none below 0. The integral of the product-limit survival
+        function (Kaplan & Meier 1958) up to the longest length, with Greenwood's (1926) variance.
+        Where the longest is censored the mean is too small. (None, None) where every length is
+        censored; the error is None for one alone.
     """
-    values = finite_array("lengths", lengths, ndim=1)
-    open_ended = np.asarray(censored, dtype=bool)
-    if values.size == 0 or values.shape != open_ended.shape or np.any(values < 0.0):
-        raise InvalidInput(
-            f"lengths has shape {values.shape}, censored {open_ended.shape}: give n ≥ 1 of each, "
-            "none < 0"
-        )
-    if np.all(open_ended):
+    if np.all(censored):
         return None, None
-    times, where = np.unique(values, return_inverse=True)
-    ended = np.bincount(where, weights=~open_ended)
-    at_risk = values.size - np.searchsorted(np.sort(values), times)
+    times, where = np.unique(lengths, return_inverse=True)
+    ended = np.bincount(where, weights=~censored)
+    at_risk = lengths.size - np.searchsorted(np.sort(lengths), times)
     alive = np.cumprod(1.0 - ended / at_risk)
     pieces = np.diff(np.r_[0.0, times]) * np.r_[1.0, alive[:-1]]
     beyond = np.sum(pieces) - np.cumsum(pieces)
     left = at_risk - ended
     terms = np.where(left > 0, beyond**2 * ended / (at_risk * np.maximum(left, 1.0)), 0.0)
-    return float(np.sum(pieces)), float(np.sqrt(np.sum(terms))) if values.size > 1 else None
+    return float(np.sum(pieces)), float(np.sqrt(np.sum(terms))) if lengths.size > 1 else None
 
 
 def _ratio(measured: float | None, predicted: float | None) -> float | None:
@@ -235,7 +231,7 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     exits = int(np.sum(closed))
     exposure = float(np.sum(lengths))
     mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
-    if not escaped and lengths.size:
+    if not escaped:
         mean, error = kaplan_meier_mean(lengths, ~closed)
     return VisitComparison(
         zone=zone,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole, stretches
-from cyclemap.checks import finite_array, read_only
+from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
@@ -43,8 +43,8 @@ class Steps:
     visit_start, visit_end : ndarray of int, shape (v,)
         The uninterrupted stays that make up the dwells: a dwell has more than one where the
         path left and came back before it dwelt elsewhere.
-    visit_dwell, visit_zone : ndarray of int, shape (v,)
-        Which dwell a visit belongs to, and which of ``zones`` it is in (-1: none).
+    visit_zone : ndarray of int, shape (v,)
+        Which of ``zones`` a visit is in (-1: none).
     cycles : int
         Last cycle of the path.
     climb : float
@@ -68,22 +68,15 @@ class Steps:
     scatter: Array
     visit_start: Whole
     visit_end: Whole
-    visit_dwell: Whole
     visit_zone: Whole
     cycles: int
     climb: float = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...] = ()
 
     def __post_init__(self) -> None:
-        for array in (
-            self.start,
-            self.end,
-            self.visit_start,
-            self.visit_end,
-            self.visit_dwell,
-            self.visit_zone,
-        ):
-            array.setflags(write=False)
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
 
     @property
     def heights(self) -> Array:
@@ -101,6 +94,11 @@ class Steps:
     def censored(self) -> Mask:
         """Shape (m,): the path begins or ends in this dwell, which lasted longer than was seen."""
         return np.asarray((self.start == 0) | (self.end == self.cycles))
+
+    @property
+    def visit_dwell(self) -> Whole:
+        """Shape (v,): which dwell a visit belongs to."""
+        return np.searchsorted(self.start, self.visit_start, side="right") - 1
 
     @property
     def count(self) -> int:
@@ -200,14 +198,14 @@ def _within(path: Array, window: float) -> Steps:
     reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
     cycle = np.arange(path.size)
     length = reach - cycle + 1
-    back = cycle - np.searchsorted(reach, cycle) + 1
+    before = np.searchsorted(reach, cycle)
     # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height
     # they cover.
-    whole = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float)
-    shortest = 0.0
+    whole = np.append(length[reach < path.size - 1], (cycle - before + 1)[before > 0])
+    shortest = float(_SHORTEST)
     if whole.size:
-        shortest = np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))
-    shortest = max(_SHORTEST, shortest)
+        pace = np.sum(1.0 / whole) / np.sum(1.0 / whole**2)
+        shortest = max(shortest, np.ceil(_SLOW * pace))
     # Runs of cycles in which each neighbouring pair lies in one of the long windows.
     farthest = np.maximum.accumulate(np.where(length >= shortest, reach, -1))
     runs = []
@@ -254,12 +252,12 @@ def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
 
 
 def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
-    windings = {zone.winding for zone in zones if isinstance(zone, SlowZone)}
-    if len(windings) != 1 or not all(isinstance(zone, SlowZone) for zone in zones):
+    are_zones = all(isinstance(zone, SlowZone) for zone in zones)
+    if not are_zones or len({zone.winding for zone in zones}) != 1:
         raise InvalidInput(
             f"zones is {zones!r}: give one SlowZone or more, all of the same winding"
         )
-    still = path - TWO_PI * windings.pop() * np.arange(path.size)
+    still = path - TWO_PI * zones[0].winding * np.arange(path.size)
     visits = []
     for i, zone in enumerate(zones):
         copy = np.floor((still - zone.arc[0]) / TWO_PI).astype(np.int64)
@@ -291,11 +289,10 @@ def _gathered(
     return Steps(
         start=start[first],
         end=end[last],
-        levels=read_only([np.mean(stay) for stay in stays]),
-        scatter=read_only([np.std(stay) for stay in stays]),
+        levels=np.array([np.mean(stay) for stay in stays]),
+        scatter=np.array([np.std(stay) for stay in stays]),
         visit_start=start,
         visit_end=end,
-        visit_dwell=np.repeat(np.arange(first.size), last - first + 1),
         visit_zone=zone,
         cycles=path.size - 1,
         climb=float(path[-1] - path[0]),

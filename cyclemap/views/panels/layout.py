@@ -183,6 +183,17 @@ def rows_of(*counts: int) -> str:
     return ";".join("".join(row) for row in rows)
 
 
+def grid_of(count: int, columns: int) -> str:
+    """The layout of so many panels in rows of as many columns, the last places left empty.
+
+    >>> grid_of(5, 3)
+    'abc;de.'
+    """
+    rows = -(-count // columns)
+    places = ascii_letters[:count].ljust(rows * columns, ".")
+    return ";".join(places[row * columns : (row + 1) * columns] for row in range(rows))
+
+
 def _share(gap: float, whole: float, count: int) -> float:
     """A gap between `count` panels that fill `whole`, as a share of their mean size."""
     return gap * count / (whole - gap * (count - 1))

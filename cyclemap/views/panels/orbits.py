@@ -3,11 +3,12 @@ under noise.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, stretches
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import (
     Basin,
@@ -21,7 +22,7 @@ from cyclemap.maps import (
 )
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import legend_above
-from cyclemap.views.panels.rotation import cell_edges, draw_shades, runs
+from cyclemap.views.panels.rotation import cell_edges, draw_shades
 from cyclemap.views.panels.style import (
     INK,
     LINE,
@@ -43,8 +44,7 @@ from cyclemap.views.panels.style import (
 
 HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
-TOLD_SHARE = 1e-6
-Curve = tuple[Array, Array]
+LEAST_SHARE = 1e-6
 STABLE: Look = {**LINE, "label": "stable"}
 LOST: Look = {**SECOND, "color": QUIET, "label": "unstable"}
 BASIN: Look = {
@@ -101,8 +101,8 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
     """
     axes.plot([0.0, 360.0], [0.0, 360.0], color=QUIET, linewidth=0.9, linestyle="--", zorder=2)
     for theta, turn in turn_curve(circle_map).pieces:
-        for theta_deg, image_deg in cut_at_turns(np.degrees(theta), theta + turn):
-            axes.plot(theta_deg, image_deg, color=PREDICTED, linewidth=1.8, zorder=3)
+        look = {**LINE, "linewidth": 1.8, "zorder": 3}
+        draw_on_circle(axes, np.degrees(theta), theta + turn, **look)
     for orbit in orbits:
         points_deg, kind = np.degrees(orbit.points), stability(orbit)
         axes.plot(points_deg, np.roll(points_deg, -1), label=kind, **orbit_marker(kind))
@@ -112,23 +112,14 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
     legend_above(axes)
 
 
-def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
-    """Pieces (x, angle mod 360 in degrees) of the polyline through (`x`, `angle` in rad), cut at
-    whole turns.
+def draw_on_circle(axes: Axes, x: Array, angle: Array, **look: Any) -> None:
+    """Angles (n,), rad, lifted, over `x` (n,), a copy for every turn that they reach: axes of one
+    circle show each angle once.
     """
-    position, places = np.arange(angle.size, dtype=float), [np.arange(angle.size, dtype=float)]
-    for level in (
-        np.arange(np.floor(angle.min() / TWO_PI) + 1, np.ceil(angle.max() / TWO_PI)) * TWO_PI
-    ):
-        before = np.flatnonzero(np.diff(angle > level))
-        places.append(before + (level - angle[before]) / (angle[before + 1] - angle[before]))
-    along = np.unique(np.concatenate(places))
-    x, angle = np.interp(along, position, x), np.interp(along, position, angle)
-    turn = np.floor(0.5 * (angle[:-1] + angle[1:]) / TWO_PI)
-    return [
-        (x[first : last + 1], np.degrees(angle[first : last + 1] - TWO_PI * turn[first]))
-        for first, last in runs(turn)
-    ]
+    degrees = np.degrees(angle)
+    first, last = np.floor([degrees.min() / 360.0, degrees.max() / 360.0])
+    for turn in np.arange(first, last + 1.0):
+        axes.plot(x, degrees - 360.0 * turn, **look)
 
 
 def draw_density(axes: Axes, operator: TransferOperator) -> None:
@@ -192,8 +183,10 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
         return
     for row, basin in enumerate(basins):
         height, orbit = (row - HALF_ROW, 2 * HALF_ROW), basin.orbit
-        axes.broken_barh(_bars(basin.arcs), height, **BASIN)
-        axes.broken_barh(_bars(basin.immediate), height, **IMMEDIATE)
+        for arcs, look in ((basin.arcs, BASIN), (basin.immediate, IMMEDIATE)):
+            starts, lengths = np.degrees(arcs[:, 0]) % 360.0, np.degrees(np.diff(arcs)[:, 0])
+            for back in (0.0, 360.0):
+                axes.broken_barh(list(zip(starts - back, lengths, strict=True)), height, **look)
         name = (
             f"period {orbit.period}, winding {orbit.winding}: {100 * basin.measure:.3g} % of "
             "the circle"
@@ -202,38 +195,19 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
         level, marker = np.full(orbit.points.size, row), orbit_marker("stable")
         axes.plot(np.degrees(orbit.points), level, label="stable orbit", **marker)
     undecided = basins[0].undecided
-    share = f"{100 * undecided:.2g} %" if undecided > TOLD_SHARE else "nothing"
+    share = f"{100 * undecided:.2g} %" if undecided > LEAST_SHARE else "nothing"
     axes.plot([], [], label=f"undecided: {share}", linestyle="none")
     legend_above(axes)
 
 
-def _bars(arcs: Array) -> list[tuple[float, float]]:
-    """(start, length) in degrees of arcs (m, 2) rad, those across 360° in two parts."""
-    bars = []
-    for start, end in np.degrees(arcs).tolist():
-        first = start % 360.0
-        last = first + end - start
-        bars.append((first, min(last, 360.0) - first))
-        if last > 360.0:
-            bars.append((0.0, last - 360.0))
-    return bars
-
-
-def branch_curves(branch: OrbitBranch) -> list[tuple[bool, Curve]]:
-    """(stable, (parameter, angle mod 360 in degrees)) for every run of one stability of every point
-    of the orbits.
+def stable_between(branch: OrbitBranch) -> Mask:
+    """Whether the orbits between each two neighbours (n - 1,) of a branch are stable: as the one of
+    them is that is no bifurcation.
     """
-    # An orbit between two neighbouring ones is as stable as the one that is no bifurcation.
     special = np.array([float(bifurcation.parameter) for bifurcation in branch.special])
     distance = np.abs(branch.parameter[:, None] - special).min(axis=1, initial=np.inf)
     bifurcates = distance <= 1e-9 * max(float(np.ptp(branch.parameter)), 1e-300)
-    stable = np.where(bifurcates[:-1], branch.stable[1:], branch.stable[:-1])
-    return [
-        (bool(stable[first]), curve)
-        for first, last in runs(stable)
-        for points in branch.points[first : last + 1].T
-        for curve in cut_at_turns(branch.parameter[first : last + 1], points)
-    ]
+    return np.where(bifurcates[:-1], branch.stable[1:], branch.stable[:-1])
 
 
 def draw_orbit_branches(
@@ -270,9 +244,11 @@ def draw_orbit_branches(
     whole_turn_ticks(axes)
     if not branches:
         say(axes, "no periodic orbit")
-    curves = [curve for branch in branches for curve in branch_curves(branch)]
-    for stable, (parameter, theta_deg) in sorted(curves, key=lambda curve: not curve[0]):
-        axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
+    for is_stable, look in ((True, STABLE), (False, LOST)):
+        for branch in branches:
+            for first, last in stretches(stable_between(branch) == is_stable):
+                for points in branch.points[first : last + 1].T:
+                    draw_on_circle(axes, branch.parameter[first : last + 1], points, **look)
     for bifurcation in sorted(
         bifurcations, key=lambda bifurcation: list(MARKERS).index(bifurcation.kind)
     ):

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
 from matplotlib.colorbar import Colorbar
-from matplotlib.patheffects import Normal, Stroke
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask, stretches
 from cyclemap.maps import BifurcationCurve, RotationNumbers, RotationPlane, TongueBoundaries
 from cyclemap.views.panels.layout import legend_above
 from cyclemap.views.panels.style import (
@@ -136,15 +135,11 @@ def scale_beside(axes: Axes, drawn: ScalarMappable, label: str) -> Colorbar:
     return figure.colorbar(drawn, ax=axes, label=label)
 
 
-def mark_cells(
-    axes: Axes, first: Array, second: Array, marked: NDArray[np.bool_], **look: Any
-) -> None:
+def mark_cells(axes: Axes, first: Array, second: Array, marked: Mask, **look: Any) -> None:
     """A look laid over the cells (n, m) of a plane that are marked."""
     for column in np.flatnonzero(marked.any(axis=0)).tolist():
         bars = [
-            (first[start], first[end] - first[start])
-            for start, end in runs(marked[:, column])
-            if marked[start, column]
+            (first[start], first[end] - first[start]) for start, end in stretches(marked[:, column])
         ]
         axes.broken_barh(bars, (second[column], second[column + 1] - second[column]), **look)
 
@@ -160,7 +155,7 @@ def cell_edges(values: Array) -> Array:
     if values.size == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = 0.5 * (values[:-1] + values[1:])
-    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+    return np.array([2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]])
 
 
 def _mark_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array) -> None:
@@ -169,26 +164,20 @@ def _mark_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array)
     """
     shown = (plane.period > 0) & (plane.period <= LONGEST_PERIOD)
     ratio = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.inf)
-    across, upward = ratio[:-1] != ratio[1:], ratio[:, :-1] != ratio[:, 1:]
-    lines = [
-        [(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)
-    ]
-    lines += [
-        [(first[i], second[j + 1]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(upward)
-    ]
-    edges = LineCollection(lines, colors=INK, linewidths=0.8, capstyle="projecting", zorder=4)
-    edges.set_path_effects([Stroke(linewidth=2.0, foreground="white"), Normal()])
-    axes.add_collection(edges, autolim=False)
-    for winding, period in sorted(
-        set(zip(plane.winding[shown].tolist(), plane.period[shown].tolist(), strict=True))
-    ):
+    white = withStroke(linewidth=2.0, foreground="white")
+    look: Look = {"colors": INK, "linewidths": 0.8, "zorder": 4, "path_effects": [white]}
+    i, j = np.nonzero(ratio[:-1] != ratio[1:])
+    axes.vlines(first[i + 1], second[j], second[j + 1], capstyle="projecting", **look)
+    i, j = np.nonzero(ratio[:, :-1] != ratio[:, 1:])
+    axes.hlines(second[j + 1], first[i], first[i + 1], capstyle="projecting", **look)
+    for winding, period in np.unique([plane.winding[shown], plane.period[shown]], axis=1).T:
         inside = (plane.winding == winding) & (plane.period == period)
         wide = np.flatnonzero(inside.sum(axis=0) > 0.8 * inside.sum(axis=0).max())
         row = int(wide[wide.size // 2])
         cells = np.flatnonzero(inside[:, row])
         if cells.size > NAMED_WIDTH * plane.first_values.size:
             x, y = plane.first_values[cells[cells.size // 2]], plane.second_values[row]
-            name_tag(axes, float(x), float(y), ratio_name(Fraction(winding, period)))
+            name_tag(axes, float(x), float(y), ratio_name(Fraction(int(winding), int(period))))
 
 
 def ratio_name(ratio: Fraction) -> str:

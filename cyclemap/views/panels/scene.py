@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene, StrokeScene
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.arrays import Array, placed
+from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.mechanics import Trajectory
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.views.panels.layout import entitle
 from cyclemap.views.panels.style import (
@@ -35,6 +35,9 @@ MM = 1000.0
 # More sides than this are those of a curve, whose numbers nobody needs.
 _MOST_NUMBERS = 24
 RING_RADIUS_MM = 7.0
+OUTLINE_POINTS = 400
+# Where along the rod's way a force is shown.
+FORCE_PLACES = (0.04, 0.36, 0.68)
 # The longest arrow as a share of the window.
 LONGEST_ARROW = 0.13
 # An object as it lies, and where it is later or was before.
@@ -123,35 +126,54 @@ def mark_target(axes: Axes) -> None:
     axes.plot(0.0, 0.0, "x", color=INK, ms=9, mew=1.8, label="target of the ring", zorder=7)
 
 
-def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
+def draw_cycle(push_axes: Axes, drag_axes: Axes, cycle: Cycle) -> None:
     """The push in one panel, the drag in the other, on the same scale and window."""
-    corners = MM * np.stack([scene.push.reach, scene.drag.reach])
-    low, high = corners[:, 0].min(axis=0) - 8.0, corners[:, 1].max(axis=0) + 8.0
-    mm_per_newton = LONGEST_ARROW * float((high - low).max()) / scene.strongest_force
-    for axes, stroke in ((push_axes, scene.push), (drag_axes, scene.drag)):
-        _draw_stroke(axes, stroke)
-        tips = MM * stroke.force_point + mm_per_newton * stroke.force
-        for point, tip in zip(MM * stroke.force_point, tips, strict=True):
-            arrow(axes, point, tip, FORCE, 1.4, 7)
+    both = push_axes, drag_axes
+    courses = cycle.trajectory.push, cycle.trajectory.drag
+    for axes, course in zip(both, courses, strict=True):
+        _draw_stroke(axes, course, cycle.loop)
+    corners = np.vstack([axes.dataLim.get_points() for axes in both])
+    low, high = corners.min(axis=0) - 8.0, corners.max(axis=0) + 8.0
+    mm_per_newton = LONGEST_ARROW * float((high - low).max()) / strongest_force(cycle)
+    for axes, course in zip(both, courses, strict=True):
+        for point, force in zip(*shown_forces(course), strict=True):
+            arrow(axes, MM * point, MM * point + mm_per_newton * force, FORCE, 1.4, 7)
         _show(axes, low, high)
 
 
-def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
+def shown_forces(course: Trajectory) -> tuple[Array, Array]:
+    """Some places of contact (m, 2), m, and the forces on the object there (m, 2), N."""
+    places = np.searchsorted(course.path, course.path[-1] * np.array(FORCE_PLACES))
+    shown = np.unique(places.clip(0, course.path.size - 1))
+    return course.contact_point[shown], course.contact_force[shown]
+
+
+def strongest_force(cycle: Cycle) -> float:
+    """The largest of the forces shown, N."""
+    course = cycle.trajectory
+    forces = np.vstack([shown_forces(course.push)[1], shown_forces(course.drag)[1]])
+    return float(np.hypot(*forces.T).max())
+
+
+def _draw_stroke(axes: Axes, course: Trajectory, loop: CollectionLoop) -> None:
     """The object before and after, its centre's way, and the rod's: thick where it sticks, thin and
     dotted where it slides.
     """
-    draw_object(axes, stroke.before, **{**LATER, "facecolor": "#f4f4f4", "zorder": 1})
-    draw_object(axes, stroke.after, alpha=0.75)
-    draw_way(axes, stroke.centre, color=QUIET, linewidth=0.9, zorder=3)
-    cross(axes, MM * stroke.centre[0])
-    cross(axes, MM * stroke.centre[-1], PREDICTED)
-    draw_ring(axes, stroke.ring_before, edgecolor=QUIET, linestyle="--")
-    draw_ring(axes, stroke.ring_after, edgecolor=PREDICTED)
-    draw_way(axes, stroke.rod, color=INK, linewidth=1.0, linestyle=":", zorder=5)
-    sticking = np.where(stroke.sliding[:, None], np.nan, stroke.rod)
+    outline, hitch = loop.slider.outline_points(OUTLINE_POINTS), np.array(loop.slider.hitch)
+    before, after = course.pose[0], course.pose[-1]
+    draw_object(axes, placed(before, outline), **{**LATER, "facecolor": "#f4f4f4", "zorder": 1})
+    draw_object(axes, placed(after, outline), alpha=0.75)
+    draw_way(axes, course.pose[:, :2], color=QUIET, linewidth=0.9, zorder=3)
+    cross(axes, MM * before[:2])
+    cross(axes, MM * after[:2], PREDICTED)
+    draw_ring(axes, placed(before, hitch), edgecolor=QUIET, linestyle="--")
+    draw_ring(axes, placed(after, hitch), edgecolor=PREDICTED)
+    draw_way(axes, course.pusher, color=INK, linewidth=1.0, linestyle=":", zorder=5)
+    sliding = np.char.startswith(course.mode, "slide")
+    sticking = np.where(sliding[:, None], np.nan, course.pusher)
     draw_way(axes, sticking, color=INK, linewidth=1.8, zorder=5)
-    draw_rod(axes, stroke.rod[0], stroke.rod_radius, facecolor="white")
-    draw_rod(axes, stroke.rod[-1], stroke.rod_radius)
+    draw_rod(axes, course.pusher[0], loop.pusher.radius, facecolor="white")
+    draw_rod(axes, course.pusher[-1], loop.pusher.radius)
 
 
 def _show(axes: Axes, low: Array, high: Array) -> None:
@@ -168,9 +190,9 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 
 
-def cycle_key(scene: CycleScene) -> str:
+def cycle_key(cycle: Cycle) -> str:
     """What the marks of the drawing mean, in two lines."""
     return (
         "dashed: before, solid: after  ·  path of the rod: solid sticks, dotted slides\n"
-        f"arrows: force on the object, longest {scene.strongest_force:.2g} N  ·  circle: ring"
+        f"arrows: force on the object, longest {strongest_force(cycle):.2g} N  ·  circle: ring"
     )

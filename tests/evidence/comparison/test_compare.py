@@ -31,7 +31,7 @@ from cyclemap.evidence.comparison.collection_null import as_prediction
 from cyclemap.evidence.comparison.cycle_agreement import map_misfit, simulated_quantity
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.mechanics import MaterialPosterior
-from cyclemap.views.verdicts import verdicts
+from cyclemap.views.compare_page import verdicts
 
 QUESTIONS = ["mean turn of a cycle", "cycle map", "histogram of directions"]
 

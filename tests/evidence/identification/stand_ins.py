@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cyclemap.evidence import DataBlock, friction_scan_block
-from cyclemap.evidence.identification.data_block import JointProblem, Values
-from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw, multi_start
-from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identification.data_block import JointProblem
+from cyclemap.evidence.identification.least_squares import NORMAL, Fit, NoiseLaw, multi_start
+from cyclemap.evidence.identification.surface_parameters import SURFACE, Values
 from cyclemap.mechanics import EllipseFriction
 
 ELLIPSE = SURFACE.names[:5]
@@ -113,9 +113,7 @@ def motion_block(
     )
 
 
-def fitted(
-    problem: JointProblem, start: Any, law: NoiseLaw | None = None, known: Any = None
-) -> Fit:
+def fitted(problem: JointProblem, start: Any, law: NoiseLaw = NORMAL, known: Any = None) -> Fit:
     """The fit from one start."""
     return multi_start(problem, np.asarray(start)[None], law, known).best
 

@@ -68,7 +68,7 @@ def test_rows_of_no_fold_always_stay_and_sizes_are_told_by_block_and_kind(joint)
     )
     left_out, _ = cross_validate(joint, fit, fold)
     assert np.array_equal(np.isfinite(left_out), joint.block_index == 1)
-    table = kind_errors(joint, fit, left_out)
+    table = kind_errors(joint, fit, left_out, np.full(fold.size, np.nan))
     told = [("scan", "force (1)", 24), ("pushes", "shift (m)", 16), ("pushes", "turn (rad)", 16)]
     assert [(row.block, row.kind, row.rows) for row in table] == told
     assert np.isnan(table[0].left_out_rms) and np.isnan(table[0].isotropic_mean)

@@ -12,9 +12,9 @@ from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import uncertainty
+from cyclemap.evidence.identification.stroke_block import TIP_OFFSET
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics.plate_footprint import mean_pressure

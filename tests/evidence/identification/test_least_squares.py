@@ -12,10 +12,10 @@ from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence import DataBlock
-from cyclemap.evidence.identification.data_block import JointProblem, Values
+from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import NoiseLaw, multi_start, spread_starts
-from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identification.surface_parameters import SURFACE, Values
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "plate_dome"))
 

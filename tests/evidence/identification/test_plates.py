@@ -15,11 +15,11 @@ from cyclemap.evidence import (
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.stroke_block import (
+from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.stroke_block import (
     TIP_OFFSET,
     surface_model,
 )
-from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import PLATE_NAMES, SURFACE
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.mechanics import Pose, Slider

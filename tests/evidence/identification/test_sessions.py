@@ -16,10 +16,14 @@ from cyclemap.evidence import (
     identified_material,
     identify,
 )
-from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
-from cyclemap.evidence.data_blocks.session_blocks import PLATE_OWNED, SESSION_OWNED
 from cyclemap.evidence.identification.data_block import linear_block, session_block, usual_beliefs
-from cyclemap.evidence.identification.known_floor import known_beliefs, known_shapes, known_spread
+from cyclemap.evidence.identification.known_floor import (
+    known_beliefs,
+    known_shapes,
+    known_spread,
+    telling_parameters,
+)
+from cyclemap.evidence.identification.session_blocks import PLATE_OWNED, SESSION_OWNED
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES
 from cyclemap.mechanics import Material, PlatePressure, SurfaceShape, load_material, material_toml
 

@@ -102,7 +102,7 @@ def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
         push_sets,
         table,
         {"surface": "abs", "fraction": 0.7},
-        told=r"no push has surface abs, fraction 0\.7 at once",
+        told=r"no such fraction: 0\.7; the data have 0\.5",
     )
     refused(push_sets, table, {"surfaces": "abs"}, told="unknown column 'surfaces'")
 

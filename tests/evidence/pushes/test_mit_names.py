@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from refusals import refused
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.mit_names import (
+from cyclemap.evidence.pushes.recordings import (
     PushFacts,
     ScanFacts,
     push_facts,

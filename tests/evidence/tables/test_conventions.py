@@ -11,7 +11,7 @@ from foreign_tables import CONVENTIONS, agrees, loop, thirty, truth
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
+from cyclemap.evidence.identification.collected_blocks import collected_blocks
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.recordings import as_ours

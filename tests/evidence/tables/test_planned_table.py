@@ -14,9 +14,9 @@ from refusals import refused
 
 import cyclemap as cm
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
+from cyclemap.evidence.identification.collected_blocks import collected_blocks
 from cyclemap.evidence.measured_plan import empty_table
-from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
+from cyclemap.evidence.plan_pushes import SetPush, candidate_pushes
 from cyclemap.evidence.pushes.measured_strokes import push_noise, set_up_errors
 from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
 from cyclemap.evidence.tables.planned_table import (

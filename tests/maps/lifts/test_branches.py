@@ -193,3 +193,14 @@ def test_a_level_on_a_plateau_is_refused_and_levels_beside_it_are_not():
     assert preimages(made, 2.0 + 1e-9).size >= 1
     with pytest.raises(InvalidInput, match="angle"):
         preimages(made, np.inf)
+
+
+def test_the_inverse_holds_up_to_a_jump_whichever_way_it_goes():
+    stepped = CircleMap(
+        lambda x: x + 0.1 * np.sin(x) + 0.4 * (np.mod(x - 1.0, TWO_PI) >= 3.0), None, [1.0, 4.0]
+    )
+    up, down = branches(stepped)
+    for branch in (up, down):
+        values = branch.end_value - np.geomspace(1e-9, 0.1, 30)
+        np.testing.assert_allclose(stepped(branch.inverse(values)), values, rtol=0.0, atol=4e-15)
+    assert up.end_value < down.start_value and stepped(down.end) < down.end_value

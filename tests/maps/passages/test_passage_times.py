@@ -16,7 +16,7 @@ from cyclemap.maps import (
     mean_passage_time,
     survival_probabilities,
 )
-from cyclemap.maps.passages.killed_chain import eliminated, killed_chain
+from cyclemap.maps.passages.killed_chain import Passage, eliminated, killed_chain
 from tests.maps.known_maps import DROPPING, reset, simulated, within
 
 TWO_PI = 2 * np.pi
@@ -79,15 +79,8 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
-            chain = killed_chain(
-                STICKY,
-                law,
-                (arc,),
-                ((arc[1], arc[0] + TWO_PI),),
-                False,
-                every_sample=False,
-                stretch=stretch,
-            )
+            passage = Passage.out_of(STICKY, law, arc, lifted=False)
+            chain = killed_chain(passage, every_sample=False, stretch=stretch)
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
             assert error <= bound + exact.error_bound
@@ -121,19 +114,21 @@ def test_elimination_without_subtraction_is_exact_for_a_walk_with_tiny_escape():
     e, q = 1e-40, np.array([[0.5, 0.5], [0.25, 0.75]])
     chain = eliminated(q, np.array([0.0, e]))
     # T1 = 2 + T2, and T2 = (1 + T1/4)/(1/4 + e), so T2 = 1.5/e.
-    assert abs(chain.solve(np.ones(2))[1] * e / 1.5 - 1) < 1e-15
     values, top, change = chain.expected(np.ones(2))
+    assert abs(values[1] * e / 1.5 - 1) < 1e-15
     assert top == values[1] and change[1] == 0
     assert abs(change[0] - 2) < 1e-15  # T1 - T2, forty digits below T2
 
 
-def test_elimination_agrees_with_plain_solutions_and_blocks_change_nothing():
+def test_elimination_agrees_with_plain_solutions_whatever_the_number_of_states():
     rng = np.random.default_rng(2)
-    q = rng.uniform(0, 1, (130, 130))
-    q /= q.sum(axis=1, keepdims=True) * 1.01
-    chain, plain = eliminated(q, 1 - q.sum(axis=1)), np.eye(130) - q
-    reward = rng.uniform(0, 1, 130)
-    np.testing.assert_allclose(chain.solve(reward), np.linalg.solve(plain, reward), rtol=1e-11)
+    for count in (1, 2, 3, 130):
+        q = rng.uniform(0, 1, (count, count))
+        q /= q.sum(axis=1, keepdims=True) * 1.01
+        chain, plain = eliminated(q, 1 - q.sum(axis=1)), np.eye(count) - q
+        for reward in rng.uniform(0, 1, count), rng.uniform(0, 1, (count, 3)):
+            values, _, _ = chain.expected(reward)
+            np.testing.assert_allclose(values, np.linalg.solve(plain, reward), rtol=1e-11)
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from tests.maps.known_maps import DROPPING
 
 STICKY = CircleMap.arnold(0.05, 0.9)
 ARC = (-1.0, 2.5)
+TWO_WELLS = CircleMap(lambda x: x - 0.45 * np.sin(2 * x))
 
 
 @pytest.mark.parametrize("noise", [WrappedNormal(0.5), WrappedCauchy(0.5)])
@@ -70,6 +71,18 @@ def test_an_odd_map_slips_to_both_sides_alike_however_rarely():
     assert abs(time * found.escape_rate - 1) < 1e-11
 
 
+def test_of_two_wells_each_has_its_share_however_rarely_they_are_left():
+    """Once in 1e145 cycles from the one, in 1e146 from the other."""
+    noise, ends = WrappedNormal(0.05), (-1.5, 4.7)
+    found = quasi_stationary(TWO_WELLS, noise, ends)
+    x, w = np.polynomial.legendre.leggauss(300)
+    mass = 3.1 * w * found.density(1.6 + 3.1 * x)
+    times = [mean_passage_time(TWO_WELLS, noise, at, ends, lifted=True) for at in (0.0, np.pi)]
+    mean = np.where(x < 0.0, *times) @ mass
+    assert 1e145 < mean < 1e147
+    assert mean == pytest.approx(1.0 / found.escape_rate, rel=1e-9)
+
+
 def test_bounds_hold_for_maps_moved_by_what_they_may_be_off():
     rng, off = np.random.default_rng(3), 1e-5
     for _ in range(25):
@@ -118,7 +131,7 @@ def test_bad_requests_are_refused():
         quasi_stationary(STICKY, WrappedNormal(0.3), (1.0,))
     with pytest.raises(InvalidInput, match="the noise is None"):
         quasi_stationary(STICKY, None, ARC)
-    with pytest.raises(ConvergenceError, match="escape rate"):
-        quasi_stationary(
-            CircleMap(lambda x: x - 0.45 * np.sin(2 * x)), WrappedNormal(0.05), (-1.5, 4.7)
-        )
+    with pytest.raises(ConvergenceError, match="longer than any number"):
+        quasi_stationary(STICKY, WrappedNormal(0.02), (-3.0, 3.0))
+    with pytest.raises(ConvergenceError, match="several parts"):
+        quasi_stationary(TWO_WELLS, WrappedNormal(0.05), (0.3 - np.pi / 2, 1.5 * np.pi - 0.3))

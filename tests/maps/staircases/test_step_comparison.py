@@ -118,7 +118,7 @@ def test_a_wrong_prediction_is_told_by_its_p_values():
 
 def test_the_kaplan_meier_mean_of_the_textbook_remission_times():
     """6-MP arm of Freireich et al. (1963): S falls to .8571 at 6, .8067 at 7, .4482 at 23 weeks."""
-    weeks = [6, 6, 6, 6, 7, 9, 10, 10, 11, 13, 16, 17, 19, 20, 22, 23, 25, 32, 32, 34, 35]
+    weeks = np.array([6, 6, 6, 6, 7, 9, 10, 10, 11, 13, 16, 17, 19, 20, 22, 23, 25, 32, 32, 34, 35])
     ended = [1, 1, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0]
     mean, error = kaplan_meier_mean(weeks, np.logical_not(ended))
     drops = [
@@ -151,4 +151,5 @@ def test_what_cannot_be_compared_is_none():
     turning = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
     none = compare_steps(find_steps(0.2 * np.pi * np.arange(50)), turning)
     assert (none.predicted_length, none.net_steps, none.expected_steps) == (None,) * 3
-    assert kaplan_meier_mean([3.0], [True]) == (None, None)
+    assert kaplan_meier_mean(np.array([3.0]), np.array([True])) == (None, None)
+    assert kaplan_meier_mean(np.zeros(0), np.zeros(0, dtype=bool)) == (None, None)

@@ -1,0 +1,345 @@
+"""What one long orbit tells: means of a function along it, and whether its neighbours diverge."""
+
+from __future__ import annotations
+
+from math import floor
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.checks import finite_array, finite_number, require_room, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import EPS, MEAN, Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
+from cyclemap.maps.lifts.lift_checks import Lift
+from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
+from cyclemap.maps.noise import Noise
+from cyclemap.maps.quadrature import arc_rule
+
+ITERATES = 40_000
+
+
+def birkhoff_average(
+    circle_map: CircleMap,
+    function: Lift | None = None,
+    *,
+    start: float = 0.0,
+    iterates: int = ITERATES,
+    transient: int = 0,
+) -> Estimate:
+    """The weighted mean of a function along one orbit.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
+    function : callable, optional
+        Vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a
+        cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
+    start : float, default 0.0
+        Where the orbit starts, radians.
+    iterates : int, optional
+        N, at least 16.
+    transient : int, default 0
+        Cycles run before the averaging begins.
+
+    Returns
+    -------
+    Estimate
+        The mean, with an estimated bound.
+
+    Notes
+    -----
+    The weights are exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N. On a quasi-periodic orbit with
+    Diophantine rotation number of a smooth map the error falls faster than any power of 1/N; a
+    plain mean has 1/N. On a chaotic orbit it is about that of a plain mean, 1/√N.
+
+    The error bound is estimated, not proved: the larger distance from the means over the first and
+    the last half of the orbit, which converge like the whole at half its length, plus rounding.
+
+    References
+    ----------
+    Das, S., Saiki, Y., Sander, E. & Yorke, J. A. (2017), Quantitative quasiperiodicity,
+    Nonlinearity 30.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, birkhoff_average
+    >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
+    >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
+    (True, True)
+    """
+    require_map(circle_map)
+    if function is None:
+        require_degree_one(circle_map, "a mean turn")
+    count = whole_number("iterates", iterates, least=16)
+    skipped = whole_number("transient", transient, least=0)
+    visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
+    values = np.asarray((function or circle_map.turn)(visited), dtype=np.float64)
+    if values.shape != visited.shape:
+        raise InvalidInput(
+            f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry"
+        )
+    return weighted_mean(values)
+
+
+def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
+    """The first ``count`` angles of the orbit of ``start``, itself included, radians, each within
+    [0, 2π).
+    """
+    return np.asarray(orbits_angles(circle_map, np.array([start]), count)[0])
+
+
+def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
+    """The same of several starts, shape (m,): (m, count); together where the lift knows arrays
+    only.
+    """
+    require_room("the orbit", starts.size * count, "follow it for fewer cycles")
+    visited = np.empty((starts.size, count))
+    if not circle_map.has_scalar:
+        theta = starts - TWO_PI * np.floor(starts / TWO_PI)
+        for n in range(count):
+            visited[:, n] = theta
+            image = circle_map(theta)
+            theta = image - TWO_PI * np.floor(image / TWO_PI)
+        return visited
+    for row, start in zip(visited, starts.tolist(), strict=True):
+        orbit = FollowedOrbit(circle_map, start=start - TWO_PI * floor(start / TWO_PI))
+        orbit.run_to(count - 1)
+        row[:] = orbit.visited
+    return visited
+
+
+class FollowedOrbit:
+    """The orbit of ``start`` in [0, 2π) under F + push, kept there with its whole turns counted
+    apart.
+    """
+
+    def __init__(self, circle_map: CircleMap, push: float = 0.0, start: float = 0.0) -> None:
+        self._lift = circle_map.scalar()
+        self.push = push
+        self.visited = [start]
+        self.laps = [0]
+
+    def run_to(self, count: int) -> None:
+        """Go on to the iterate of that number."""
+        lift = self._lift
+        push = self.push
+        theta = self.visited[-1]
+        turns = self.laps[-1]
+        for _ in range(count + 1 - len(self.laps)):
+            image = lift(theta) + push
+            lap = floor(image / TWO_PI)
+            theta = image - TWO_PI * lap
+            turns += lap
+            self.visited.append(theta)
+            self.laps.append(turns)
+
+
+def window(count: int) -> Array:
+    """Weights exp(-1/t(1 - t)), t = k/(count + 1), k = 1..count, that sum to 1."""
+    t = np.arange(1.0, count + 1.0) / (count + 1.0)
+    weight = np.exp(-1.0 / (t * (1.0 - t)))
+    return np.asarray(weight / np.sum(weight))
+
+
+def weighted_mean(values: Array) -> Estimate:
+    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time,
+    as in ``birkhoff_average``."""
+    if np.any(np.isneginf(values)):
+        return Estimate(-np.inf, 0.0)
+    sequence = finite_array("values", values, ndim=1)
+    half = sequence.size // 2
+    mean = _windowed(sequence)
+    apart = max(
+        abs(_windowed(half_orbit) - mean) for half_orbit in (sequence[:half], sequence[-half:])
+    )
+    return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
+
+
+def _windowed(values: Array) -> float:
+    # Sums of numpy are pairwise: their rounding grows with log n only.
+    return float(np.sum(window(values.size) * values))
+
+
+MAX_PERIOD = 512
+TRANSIENT = 2_000
+_STARTS = TWO_PI * np.mod(0.1 + np.sqrt(2.0) * np.arange(1.0, 6.0), 1.0)
+_SAME = 1e-6  # exponents that differ by less, their bounds apart, belong to one attractor
+_NEAR = 0.05  # radians: an orbit that comes back nearer than this may be close to a periodic one
+_NEWTON = 30
+_BATCHES = 40
+DEVIATIONS = 4.0  # standard errors of the batches' mean
+_DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a quasi-periodic orbit
+_FLOOR = 1e-18  # |F'| at nodes that rounding puts on a fold
+_EVERYWHERE = TWO_PI * np.mod(np.sqrt(2.0) * np.arange(1.0, 65.0), 1.0)
+_LOST = 0.05  # of 1 + |F'|: an error this large says that differences do not settle
+_BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
+
+
+def lyapunov_exponent(
+    circle_map: CircleMap,
+    noise: Noise | None = None,
+    *,
+    start: float | None = None,
+    transient: int = TRANSIENT,
+) -> Estimate:
+    """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
+    noise : Noise or None, optional
+        What is added to every cycle; None: none.
+    start : float or None, optional
+        Without noise, where the orbit starts, radians; None: the orbits from five angles that
+        no symmetry favours, so that none lies on a repelling orbit; a small basin may be
+        missed.
+    transient : int, optional
+        Cycles that are left out before.
+
+    Returns
+    -------
+    Estimate
+        Per cycle; -inf where F' = 0 on a set that the law or the orbit visits.
+
+    Raises
+    ------
+    InvalidInput
+        Where orbits from those angles have different exponents: the map has several attractors.
+    ConvergenceError
+        Where F has no derivative that differences can follow.
+
+    Notes
+    -----
+    With noise: the integral over the stationary law, on panels graded towards the folds; the bound
+    is that of ``TransferOperator.expectation`` (``max_error`` counts through the law only) and the
+    error of F'. Without noise, for the orbit of ``start`` after ``transient`` cycles:
+
+    - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit
+      itself, solved by Newton's method; the bound is a measured one of rounding;
+    - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of
+      ``birkhoff_average``;
+    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means
+      of 40 batches: a statistical bound, and it is about 1e-2.
+
+    To each the error of F' adds (``derivative_and_error``); inf where F' is lost in it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, lyapunov_exponent
+    >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
+    -0.978129142
+    """
+    require_map(circle_map)
+    skipped = whole_number("transient", transient, least=0)
+    # Refused before thousands of iterates are made: a lift that is nowhere smooth.
+    slope, error = circle_map.derivative_and_error(_EVERYWHERE)
+    lost = error > _LOST * (1.0 + np.abs(slope))
+    if 2 * np.count_nonzero(lost) > lost.size:
+        raise ConvergenceError(
+            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} "
+            f"angles, such as {_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the "
+            "lift has none and no exponent"
+        )
+    if noise is not None:
+        if start is not None:
+            raise InvalidInput(
+                f"start is {start!r}, but under noise the exponent is of the stationary law: "
+                "leave it out"
+            )
+        return _under_noise(circle_map, noise)
+    begin = _STARTS if start is None else np.array([finite_number("start", start)])
+    visited = orbits_angles(circle_map, begin, skipped + ITERATES)[:, skipped:]
+    exponents = [_along_orbit(circle_map, row) for row in visited]
+    low, high = (int(pick(exponents)) for pick in (np.argmin, np.argmax))
+    least = exponents[low]
+    most = exponents[high]
+    allowed = _SAME + 4.0 * (least.error_bound + most.error_bound)
+    if least != most and most - least > allowed:
+        raise InvalidInput(
+            f"the map has several attractors: the exponent is {least:.6g} from θ = "
+            f"{_STARTS[low]:.4f}, {most:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
+        )
+    return min(exponents, key=lambda exponent: exponent.error_bound)
+
+
+def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
+    from cyclemap.maps.operator.transfer_operator import transfer_operator  # slow to import
+
+    operator = transfer_operator(circle_map, noise)
+    theta, _ = arc_rule(circle_map, 0.0, TWO_PI, operator.modes)
+    flat = circle_map.derivative(theta) == 0.0
+    if np.any(flat & np.roll(flat, 1)):  # neighbouring nodes: a flat piece, not a fold
+        return Estimate(float("-inf"), 0.0)
+
+    def blur(at: Array) -> Array:
+        slope, error = circle_map.derivative_and_error(at)
+        return np.minimum(error / np.maximum(np.abs(slope), _FLOOR), _BLUR)
+
+    mean = operator.expectation(
+        lambda at: np.log(np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)), folds=True
+    )
+    blurred = operator.expectation(blur, folds=True)
+    return Estimate(mean, mean.error_bound + blurred.upper)
+
+
+def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
+    last = visited[-1]
+    back = np.abs(shorter_way(visited[-2 : -2 - MAX_PERIOD : -1] - last))
+    for period in 1 + np.flatnonzero((back <= np.minimum.accumulate(back)) & (back < _NEAR)):
+        orbit = _attracting_orbit(circle_map, float(last), int(period))
+        if orbit is not None:
+            return _exponent_of(circle_map, orbit)
+    slopes, errors = circle_map.derivative_and_error(visited)
+    stretch = np.abs(slopes)
+    if np.any(stretch == 0.0):
+        return Estimate(float("-inf"), 0.0)
+    values = np.log(stretch)
+    inexact = _from_slopes(errors, stretch)
+    smooth = weighted_mean(values)
+    means = values.reshape(_BATCHES, -1).mean(axis=1)
+    spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
+    if smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth)):
+        return Estimate(smooth, smooth.error_bound + inexact)
+    return Estimate(float(np.mean(values)), DEVIATIONS * spread + inexact)
+
+
+def _from_slopes(errors: Array, stretch: Array) -> float:
+    """What the errors of F' make of the mean of ln|F'|; inf where F' may be zero."""
+    share = errors / stretch
+    return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
+
+
+def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:
+    """The points of the period's orbit nearest to ``start``, by Newton's method, if it attracts
+    ``start``.
+    """
+    theta = start
+    for _ in range(_NEWTON):
+        visited = orbit_angles(circle_map, theta, period + 1)
+        multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
+        if abs(multiplier) >= 1.0:
+            return None
+        step = float(shorter_way(visited[-1] - theta)) / (1.0 - multiplier)
+        theta += step
+        if abs(step) <= 4.0 * EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
+            near = abs(theta - start) < _NEAR
+            return orbit_angles(circle_map, theta, period) if near else None
+    return None
+
+
+def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
+    stretch = np.abs(circle_map.derivative(points))
+    if np.any(stretch == 0.0):
+        return Estimate(float("-inf"), 0.0)
+    exponent = float(np.mean(np.log(stretch)))
+    # The orbit is known to rounding over 1 - |multiplier|.
+    gap = 1.0 - min(float(np.prod(stretch)), 1.0 - EPS)
+    shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / gap
+    _, errors = slope_and_error_beside(circle_map, points, shift)
+    rounding = 8.0 * EPS * (1.0 + abs(exponent))
+    return Estimate(exponent, _from_slopes(errors, stretch) + rounding)

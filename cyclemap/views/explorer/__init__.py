@@ -1,1 +1,0 @@
-"""Explorer and report: one page that carries the engine with it, and computes in the browser."""

@@ -1,0 +1,402 @@
+"""Files of every sort are recognised and become blocks of data; what is left out is told, what
+cannot be is refused.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from refusals import refused
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence import (
+    RecordingNoise,
+    SurfaceParameters,
+    collected_blocks,
+    identify,
+    simulate_collection,
+)
+from cyclemap.evidence.identification.collected_blocks import CollectedBlocks
+from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.known_floor import FLOOR_TOLD, held_values, telling_parameters
+from cyclemap.evidence.identification.surface_parameters import SURFACE, starting_space
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FoundWith,
+    Material,
+    PlatePressure,
+    Pose,
+    SidePush,
+    load_material,
+)
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol import loop_from_settings
+
+pytestmark = pytest.mark.slow
+
+LOOP = CollectionLoop.mit("isotropic")
+# The tables are made up: where their pushes end is of no object.
+pytestmark = pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
+ELLIPSE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+FLOOR = ("floor_bow_x", "floor_bow_y", "floor_dome")
+SHAPES = (*FLOOR, "plate_dome", "plate_warp_x", "plate_warp_y")
+FRAME = ("tip_offset_x", "tip_offset_y")
+# A ring with some friction, as is believed of any.
+RING = {"pin_friction_radius": 1e-3}
+SLATE = Material(
+    "slate", EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6), found_with=FoundWith(**RING)
+)
+TRUTH = SurfaceParameters.from_friction(SLATE.friction, pusher_friction=0.15, **RING).values()
+TRUTH |= {"tip_offset_x": 0.0, "tip_offset_y": 0.0}
+NOISE = RecordingNoise(turn=math.radians(0.5), position=2e-4, angle=2e-3, force=0.03)
+CYCLES = 60
+ENDS = "surface,shape,v_mm_s,i,s,t,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1,tip_err_mm\n"
+DRAGS = "surface,shape,x1,y1,th1,x0n,y0n,th0n\n"
+WRENCHES = "surface,shape,fx,fy,m_over_rho,vx,vy,w_times_rho\n"
+
+
+@pytest.fixture(scope="module")
+def collection(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("slate")
+    simulate_collection(
+        CollectionLoop.mit(SLATE, accuracy=1e-6),
+        folder,
+        CYCLES,
+        noise=NOISE,
+        seed=1,
+        scans=True,
+        start=0.3,
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def data(collection) -> CollectedBlocks:
+    """All of the collection, few pushes for speed."""
+    return collected_blocks([collection], LOOP, most=4)
+
+
+def push_row(
+    number: int, surface: str = "slate", shape: str = "rect1", tip_error: float = 0.0
+) -> str:
+    side = number % 4
+    return f"{surface},{shape},10,{side},0.5,0,0,0,0,0,-0.02,0.1,{0.001 * number},0.05,{0.001 * number},0,{tip_error}\n"
+
+
+def write(path: Path, header: str, rows: list[str]) -> Path:
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(header + "".join(rows))
+    return path
+
+
+def every_sort(folder: Path, surface: str = "slate") -> list[Path]:
+    drags = [f"{surface},rect1,0.05,{0.01 * n},0.{n},0.01,0.0,0.5\n" for n in range(6)]
+    wrenches = [f"{surface},rect1,0,2,0,0,0.01,0.001\n" for _ in range(5)]
+    return [
+        write(folder / "ends.csv", ENDS, [push_row(n, surface) for n in range(6)]),
+        write(folder / "drags.csv", DRAGS, drags),
+        write(folder / "wrenches.csv", WRENCHES, wrenches),
+        write(folder / "theta.csv", "theta0_deg\n", [f"{7 * n}\n" for n in range(9)]),
+    ]
+
+
+def names(found: CollectedBlocks) -> dict[str, int]:
+    return {block.name: len(block.groups) for block in found.blocks}
+
+
+def cycles_of(found: CollectedBlocks):
+    (cycles,) = [block for block in found.blocks if block.name == "cycles"]
+    return cycles
+
+
+def test_every_sort_of_table_is_recognised_by_its_columns_alone_or_in_a_folder(tmp_path) -> None:
+    found = collected_blocks(every_sort(tmp_path), LOOP)
+    pushed, alone = "rect1 10 mm/s", "rect1 theta"
+    assert names(found) == {
+        f"{pushed} push ends": 18,
+        f"{pushed} drag-backs": 6,
+        f"{pushed} wrenches": 15,
+        f"{alone} cycles": 8,
+        "sessions": 12,
+    }
+    assert found.surface == "slate" and found.last_cycle == 7.0
+    blocks = [collected_blocks([path], LOOP).blocks[0] for path in every_sort(tmp_path)]
+    assert {block.name: telling_parameters([block]) for block in blocks} == {
+        "push ends": (*ELLIPSE, "pusher_friction", *SHAPES, *FRAME),
+        "drag-backs": (*ELLIPSE, *SHAPES),
+        "wrenches": ("friction_scale", "floor_dome", *SHAPES[3:]),
+        "cycles": (*ELLIPSE, "pusher_friction", "pin_friction_radius", *SHAPES),
+    }
+    (drags,) = [block for block in blocks if block.name == "drag-backs"]
+    assert held_values([drags], SURFACE, ELLIPSE)["pin_friction_radius"] == pytest.approx(0.8e-3)
+    assert "pin_friction_radius" in telling_parameters([drags], FLOOR_TOLD)
+    write(tmp_path / "budget.csv", "euro\n", ["3\n"])
+    write(tmp_path / "notes.txt", "rod bent on tuesday", [])
+    folder = collected_blocks([tmp_path], LOOP)
+    assert names(folder) == names(found)
+    assert any(
+        "budget.csv: not used: a CSV table of unknown columns (euro)" in note
+        for note in folder.notes
+    )
+
+
+def test_a_collection_gives_scans_cycles_push_ends_and_force_ratios_as_it_was_made(data) -> None:
+    """Residuals at the truth are of the noise put in: half a degree a cycle; 0.2 mm and 2 mrad a
+    pose, which also shift the contact by so much on a lever of 18 mm, and with it the turn by a few
+    times more."""
+    told = names(data)
+    assert {**told, "force ratios": 0} == {
+        "friction scans": 2 * 144,
+        "cycles": CYCLES - 1,
+        "push ends": 3 * 4,
+        "force ratios": 0,
+    }
+    assert told["force ratios"] >= 4
+    assert any("every 15th of 60 pushes taken" in note for note in data.notes)
+    law = SLATE.friction
+    main = data.scans @ [
+        [math.cos(law.phi), -math.sin(law.phi)],
+        [math.sin(law.phi), math.cos(law.phi)],
+    ]
+    assert np.hypot(*((main - [law.m0, law.n0]) / [law.mu_a, law.mu_b]).T) == pytest.approx(
+        np.ones(144), abs=5e-3
+    )
+    sizes = {}
+    for block in data.blocks:
+        residual, _ = block.residuals(TRUTH)
+        sizes |= {
+            kind: float(np.std(residual[block.kinds == kind]))
+            for kind in np.unique(block.kinds).tolist()
+        }
+    assert sizes["cycle turn (rad)"] == pytest.approx(math.radians(0.5), rel=0.35)
+    assert 1e-4 < sizes["push place (m)"] < 1.2e-3 and 1e-3 < sizes["push turn (rad)"] < 1.5e-2
+
+
+def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(data) -> None:
+    free = telling_parameters(data.blocks)
+    assert set(free) >= {"friction_scale", *SHAPES, "pin_friction_radius"} and len(free) == 15
+    priors = usual_beliefs(free)
+    found = identify(
+        data.blocks, free, priors=priors, starts=1, level=0.99, space=starting_space(LOOP)
+    )
+    assert found.fit.converged
+    for name in free:
+        assert found[name].lower <= TRUTH[name] <= found[name].upper, found[name]
+    assert found.friction().mu_a == pytest.approx(0.28, abs=2e-3)
+
+
+# Wear at an even pace.
+PACE = {f"wear_pace_{stretch}": 0.0 for stretch in range(1, 9)}
+
+
+def test_first_and_wear_choose_and_order_the_cycles(collection) -> None:
+    found = collected_blocks([collection], LOOP, first=20, wear=True, most=6)
+    cycles = cycles_of(found)
+    assert len(cycles.groups) == CYCLES - 1 - 20 and found.last_cycle == CYCLES - 2 - 20
+    # On a surface that does not wear each derivative is shared out between its two ends.
+    jacobian = cycles.residuals(
+        TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)} | PACE
+    )[1]
+    fresh, worn = (
+        jacobian[:, cycles.parameters.index(f"{word}offset_x")] for word in ("", "worn_")
+    )
+    assert [worn[0], fresh[-1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert np.all(np.diff(worn / (fresh + worn)) > 0.0)
+    worn_names = {f"worn_{name}" for name in (*ELLIPSE, *FLOOR)}
+    assert set(telling_parameters(found.blocks)[-15:]) == worn_names | set(PACE)
+
+
+def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
+    loop = replace(
+        CollectionLoop.mit(SLATE, accuracy=1e-5), push=replace(LOOP.push, side=1, fraction=0.4)
+    )
+    simulate_collection(loop, tmp_path, 6, noise=replace(NOISE, force=0.0))
+    found = collected_blocks([tmp_path], LOOP)
+    assert np.std(cycles_of(found).residuals(TRUTH)[0]) < 0.05
+    assert any("forces not used" in note or "force ratios" in note for note in found.notes)
+
+
+def test_poses_alone_tell_the_push_whose_rod_went_as_the_protocol_says(tmp_path) -> None:
+    loop = replace(LOOP, push=SidePush(side=1, fraction=0.4, angle=0.2, distance=0.05))
+    bare, full = [], []
+    for theta in np.linspace(0.3, 6.0, 8):
+        start = Pose(0.1, -0.05, theta)
+        place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
+        tips = [*start.to_world(*place), *start.to_world(*(place + 0.05 * way))]
+        poses = f"{start.x},{start.y},{theta},0.12,-0.06,{theta + 0.3}"
+        bare.append(poses + "\n")
+        full.append(f"{poses},{','.join(map(str, tips))}\n")
+    header = "x0,y0,theta0,x1,y1,theta1"
+    told = write(
+        tmp_path / "full.csv", f"{header.replace('eta', '')},tip_x0,tip_y0,tip_x1,tip_y1\n", full
+    )
+    alone = write(tmp_path / "bare.csv", f"{header}\n", bare)
+    refused(
+        collected_blocks,
+        [alone],
+        loop,
+        told="8 left out: ends of pushes: .* add a column push_mm, or set push_mm",
+    )
+    (known,), (found,) = (
+        collected_blocks([path], loop, push_length=0.05).blocks for path in (told, alone)
+    )
+    values = TRUTH | SurfaceParameters.from_friction(SLATE.friction).values()
+    assert found.residuals(values)[0] == pytest.approx(known.residuals(values)[0], abs=1e-9)
+
+
+def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp_path) -> None:
+    rows = [push_row(n) for n in range(5)] + [push_row(n, shape="hex") for n in range(3)]
+    rows += [push_row(n, "felt") for n in range(2)] + [push_row(0, tip_error=9.0)]
+    file = write(tmp_path / "ends.csv", ENDS, rows)
+    found = collected_blocks([file], LOOP, {"surface": "slate"})
+    assert names(found) == {
+        "rect1 10 mm/s push ends": 15,
+        "hex 10 mm/s push ends": 9,
+        "sessions": 12,
+    }
+    for words in (
+        "2 left out: of surface felt, not slate",
+        "1 left out: the tip was not where it was sent",
+    ):
+        assert found.notes.count(f"{file}: {words}") == 1
+    twice = collected_blocks(
+        [file, write(tmp_path / "more.csv", ENDS, rows[:8])], LOOP, {"surface": "slate"}
+    )
+    sessions = [f"{plate} 10 mm/s{file}" for plate in ("rect1", "hex") for file in ("", ", more")]
+    assert set(names(twice)) == {"sessions", *(f"{session} push ends" for session in sessions)}
+    hexagons = collected_blocks([file], LOOP, {"object": "hex"})
+    assert names(hexagons) == {"push ends": 9} and hexagons.loop.slider.name == "hex"
+
+
+def test_numbers_are_selected_however_they_are_written(tmp_path) -> None:
+    rows = [
+        push_row(n).replace(",0.5,0,", text)
+        for n, text in enumerate([",0.5,0,", ",0.50,0,", ",0.6,0,"])
+    ]
+    file = write(tmp_path / "ends.csv", ENDS, rows)
+    assert names(collected_blocks([file], LOOP, {"fraction": 0.5})) == {"push ends": 6}
+
+
+def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is_selected(
+    tmp_path,
+) -> None:
+    first, second = tmp_path / "one", tmp_path / "two"
+    every_sort(first)
+    every_sort(second, "felt")
+    refused(
+        collected_blocks, [first, second], LOOP, told="several surfaces: felt, slate; select one"
+    )
+    told = r"no such surface: delrin; .* left out: of surface slate, not delrin"
+    refused(collected_blocks, [first / "ends.csv"], LOOP, {"surface": "delrin"}, told=told)
+    found = collected_blocks([first, second], LOOP, {"surface": "felt"})
+    assert found.surface == "felt"
+    # Orientations tell no surface: both tables of them are kept, and told apart by a number.
+    assert {"rect1 theta cycles", "rect1 theta, theta cycles", "rect1 10 mm/s push ends"} <= set(
+        names(found)
+    )
+    rows = [push_row(n, shape=shape) for n in range(3) for shape in ("brick", "plate")]
+    file = write(tmp_path / "ends.csv", ENDS, rows)
+    own = replace(LOOP, slider=replace(LOOP.slider, name="own outline"))
+    refused(collected_blocks, [file], own, told="several objects: brick, plate; select one")
+    assert names(collected_blocks([file], own, {"object": "brick"})) == {"push ends": 9}
+
+
+def test_nothing_recognised_names_what_each_path_was(tmp_path) -> None:
+    text, table = (
+        write(tmp_path / "notes.txt", "rod bent", []),
+        write(tmp_path / "budget.csv", "euro\n", ["3\n"]),
+    )
+    (tmp_path / "empty").mkdir()
+    for paths, told in (
+        (
+            [text, table, tmp_path / "empty"],
+            r"kind \(\.txt\).*unknown columns \(euro\).*holds no \.h5",
+        ),
+        ([tmp_path / "absent.csv"], "there is nothing there"),
+        ([write(tmp_path / "cut.json", "", ["{"])], r"1 left out: unreadable, the first cut\.json"),
+    ):
+        refused(collected_blocks, paths, LOOP, told=told)
+    for key, value in (("first", -1), ("most", 1), ("most", 2.5)):
+        refused(collected_blocks, [table], LOOP, **{key: value})
+
+
+def test_the_measured_tables_are_recognised_whole(measured_data) -> None:
+    plywood = {"surface": "plywood", "object": "rect1"}
+    files = [
+        "mit_push_endpoints_v10.csv",
+        "mit_rect1_dragback_v10.csv",
+        "mit_rect1_wrench_twist_v10.csv",
+    ]
+    found = collected_blocks([measured_data / file for file in files], LOOP, plywood, most=1000)
+    assert names(found) == {"push ends": 3 * 395, "drag-backs": 130, "wrenches": 3 * 1100}
+    assert any("several sources (HEAD_filtered, hist_52a83a8)" in note for note in found.notes)
+    assert len(set(found.blocks[0].groups.tolist())) == 44
+    cycles = collected_blocks([measured_data / "plywood_rect1_theta0_2000.csv"], LOOP, first=500)
+    assert names(cycles) == {"cycles": 1497}
+
+
+def test_a_material_to_start_from_is_where_every_search_begins() -> None:
+    plate, plywood = PlatePressure("rect1"), load_material("plywood")
+    space = starting_space(
+        LOOP, replace(plywood, found_with=FoundWith(pusher_friction=0.3), plates=(plate,))
+    )
+    wanted = SurfaceParameters.from_friction(plywood.friction).offset_x
+    assert space["offset_x"].start == space["offset_x"].nominal == wanted
+    assert space["pusher_friction"].start == 0.3
+    assert space["plate_dome"].nominal == space["plate_dome"].start == 0.0
+    refused(
+        starting_space, loop_from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint"
+    )
+
+
+def test_files_that_tell_the_same_are_counted(tmp_path) -> None:
+    files = [write(tmp_path / f"ends{number}.csv", ENDS, [push_row(number)]) for number in range(5)]
+    found = collected_blocks(files, LOOP)
+    assert len(found.notes) < 5
+    assert any(note.startswith(f"{files[0]} and 4 more like it: ") for note in found.notes)
+
+
+def test_a_row_that_does_not_tell_its_plate_or_its_speed_counts_once(tmp_path) -> None:
+    """Rows of two plates, of two speeds, and of neither: each is one push of one session."""
+    rows = []
+    for place in range(24):
+        cells = push_row(place, shape=("rect1", "hex", "")[place % 3]).split(",")
+        cells[2] = ("10", "20", "")[place // 3 % 3]
+        rows.append(",".join(cells))
+    found = collected_blocks([write(tmp_path / "ends.csv", ENDS, rows)], LOOP)
+    ends = [block for block in found.blocks if block.motions is not None]
+    counts = {block.name: len(block.motions) for block in ends}
+    assert sum(counts.values()) == 24
+    assert {name.partition(" ")[0] for name in counts} == {"rect1", "hex"}
+
+
+@pytest.mark.parametrize("tips", [True, False])
+def test_pushes_at_one_contact_are_one_group_whether_or_not_the_rods_places_are_told(
+    tmp_path, tips
+) -> None:
+    """Twelve contacts, three pushes at each: what the model misses at a contact is no evidence
+    three times.
+    """
+    columns = ENDS.strip().split(",")
+    count = len(columns) if tips else columns.index("tip_x0")
+    rows = []
+    for place in range(36):
+        side, fraction = place % 4, 0.3 + 0.2 * (place // 4 % 3)
+        cells = ["slate", "rect1", 10, side, fraction, 0, 0, 0, 0, 0, -0.02, 0.1, 0.001 * place]
+        rows.append(",".join(map(str, [*cells, 0.05, 0.001 * place, 0, 0][:count])) + "\n")
+    header = ",".join(columns[:count]) + "\n"
+    path = write(tmp_path / "ends.csv", header, rows)
+    (block,) = collected_blocks([path], LOOP, push_length=0.05).blocks
+    assert len(block.motions) == 36 and len(np.unique(block.groups)) == 12
+
+
+def test_pushes_at_few_contacts_are_said_to_make_narrow_intervals(tmp_path) -> None:
+    rows = [push_row(place) for place in range(12)]
+    path = write(tmp_path / "ends.csv", ENDS, rows)
+    assert any(
+        "12 pushes at 4 contacts alone" in note for note in collected_blocks([path], LOOP).notes
+    )
+    path = write(tmp_path / "each.csv", ENDS, rows[:4])
+    assert not any("alone" in note for note in collected_blocks([path], LOOP).notes)
