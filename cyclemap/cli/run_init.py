@@ -24,8 +24,8 @@ from cyclemap.protocol.own_object import check_collection, first_settings, withi
 from cyclemap.protocol.setting_table import SETTINGS, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings
 from cyclemap.text_files import write_whole
-from cyclemap.views.object_page import object_page
 from cyclemap.views.panels.layout import render
+from cyclemap.views.push_pages import object_page
 from cyclemap.written import Json
 
 COMMENTS = (

@@ -148,7 +148,7 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
         "material": design.loop.material.name,
         "noise_deg": degrees(design.sigma),
         "range": {
-            **json_of(design.about, "told"),
+            **json_of(design.about, "origin"),
             "materials": [material.name for material in design.about.materials],
             **json_of(design.about, "share", "confidence"),
         },

@@ -44,7 +44,7 @@ from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
-from cyclemap.views.object_page import known_parts, measured_sentences, plan_page, plan_sentences
+from cyclemap.views.push_pages import known_sizes, measured_sentences, plan_page, plan_sentences
 from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"
@@ -248,10 +248,10 @@ def push_table(plan: PushPlan) -> Table:
 
 def knowledge_table(plan: PushPlan) -> Table:
     """What will be known after some pushes, planned and random."""
-    names = known_parts(plan.knowledge[0].planned)
+    names = known_sizes(plan.knowledge[0].planned)
     rows = []
     for after in plan.knowledge:
-        sizes = [*known_parts(after.planned).values(), *known_parts(after.random).values()]
+        sizes = [*known_sizes(after.planned).values(), *known_sizes(after.random).values()]
         rows.append((str(after.pushes), *sizes))
     columns = [f"{sort}: {name}" for sort in ("planned", "random") for name in names]
     return people_table("What will be known", ("pushes", *columns), rows)

@@ -165,7 +165,7 @@ def _json(path: Path, text: str) -> Columns:
         values: dict[str, object] = {}
         _flatten("", row, values)
         flat.append(values)
-    _check_size(len(flat) * len({name for values in flat for name in values}))
+    _check_size(len(flat) * len(set[str]().union(*flat)))
     return number_columns(pandas.DataFrame(flat))
 
 
