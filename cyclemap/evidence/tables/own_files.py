@@ -16,7 +16,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from cyclemap.checks import require_room
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, located
 from cyclemap.evidence.tables.columns import QUATERNION
 from cyclemap.evidence.tables.text_tables import (
     Columns,
@@ -25,7 +25,6 @@ from cyclemap.evidence.tables.text_tables import (
     number_columns,
     text_columns,
 )
-from cyclemap.file_text import located
 from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_bytes, read_text
 

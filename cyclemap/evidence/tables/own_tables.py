@@ -16,14 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, located
 from cyclemap.evidence.tables.columns import ENDS, PLACES, RODS, our_text
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import TEXTS
 from cyclemap.evidence.tables.meaning import known_units, meaning_of, si_rows, with_headings
 from cyclemap.evidence.tables.own_files import JSON_LINES, raw_columns
 from cyclemap.evidence.tables.pose_streams import Segments, cut_stream
-from cyclemap.file_text import located
 
 if TYPE_CHECKING:
     import pandas
