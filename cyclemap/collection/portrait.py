@@ -90,14 +90,10 @@ class NoisyLoop:
     noise: WrappedNormal
     operator: TransferOperator
     staircase: Staircase
+    prediction: StaircaseSummary
     drifting: DriftingMap | None
     uncertainty: DirectionUncertainty | None
     forecast: LockForecast | None
-
-    @cached_property
-    def prediction(self) -> StaircaseSummary:
-        """What a run looks like on average."""
-        return predict_staircase(self.map, self.noise, self.operator)
 
     @cached_property
     def worn(self) -> StaircaseSummary | None:
@@ -124,6 +120,8 @@ class Portrait(NoisyLoop):
         The transfer operator of map plus noise.
     staircase : Staircase
         One noisy run.
+    prediction : StaircaseSummary
+        What such a run looks like on average.
     drifting : DriftingMap or None
         Where the surface wears, its map over the cycles of the run, which then follows it; all
         else is of the fresh surface. None where it does not.
@@ -322,7 +320,9 @@ def _run(
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
     staircase = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
-    made = kind(loop, cycle_map, noise, operator, staircase, drifting, uncertainty, forecast)
+    prediction = predict_staircase(cycle_map, noise, operator)
+    known = (drifting, uncertainty, forecast)
+    made = kind(loop, cycle_map, noise, operator, staircase, prediction, *known)
     report(1.0)
     return made
 
