@@ -33,6 +33,7 @@ from cyclemap.evidence.predicted_strokes import PUSH_NAMES, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredDrag,
     MeasuredPush,
+    ReadErrors,
     push_noise,
     set_up_errors,
 )
@@ -94,7 +95,7 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> SampledBeliefs:
 
 
 def push_sensitivity(
-    known: SampledBeliefs, pushes: Sequence[MeasuredPush], read: tuple[float, float]
+    known: SampledBeliefs, pushes: Sequence[MeasuredPush], read: ReadErrors
 ) -> tuple[Array, Array, Array]:
     """Return where pushes end in each sample (s, n, 3), m and rad, and derivatives by UNKNOWNS, all
     over the noise: of these ends (s, n, 3, k), and of what is measured (s, n, 4, k).
