@@ -18,6 +18,7 @@ from cyclemap.evidence.identification.known_floor import identify_collected, kno
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.evidence.plan_pushes import APPROACH, PushPlan, SetPush
+from cyclemap.evidence.pushes.measured_strokes import ReadErrors
 from cyclemap.evidence.tables.planned_table import (
     ERRORS,
     IN_OBJECT,
@@ -77,7 +78,7 @@ def table_to_fill(plan: PushPlan, by: str = "corners", excel: bool = False) -> b
 
 
 def empty_table(
-    loop: CollectionLoop, pushes: Sequence[SetPush], read: tuple[float, float], by: str
+    loop: CollectionLoop, pushes: Sequence[SetPush], read: ReadErrors, by: str
 ) -> tuple[list[str], list[list[object]]]:
     """Return the header and the rows of a table to fill in.
 

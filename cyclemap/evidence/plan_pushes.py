@@ -24,7 +24,7 @@ from cyclemap.evidence.push_design import (
     sampled_beliefs,
     target_of,
 )
-from cyclemap.evidence.pushes.measured_strokes import READ, MeasuredPush, push_noise
+from cyclemap.evidence.pushes.measured_strokes import READ, MeasuredPush, ReadErrors, push_noise
 from cyclemap.mechanics import Ellipse, Pose, SidePush, Slider
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.progress import Progress, unheard
@@ -139,7 +139,7 @@ class PushPlan:
     without: Mapping[str, float]
     chance: float | None
     room: tuple[float, float]
-    read: tuple[float, float]
+    read: ReadErrors
     samples: int
     candidates: int
 
@@ -151,7 +151,7 @@ def plan_pushes(
     target: str = "direction",
     grid: float | None = math.radians(15.0),
     room: tuple[float, float] = (0.6, 0.4),
-    read: tuple[float, float] = READ,
+    read: ReadErrors = READ,
     samples: int = 30,
     candidates: int = 160,
     seed: int = 0,
@@ -259,7 +259,7 @@ def _check(
     target: str,
     asked: int,
     room: tuple[float, float],
-    read: tuple[float, float],
+    read: ReadErrors,
     samples: int,
     candidates: int,
 ) -> None:

@@ -33,6 +33,7 @@ from cyclemap.evidence.predicted_strokes import PUSH_NAMES, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredDrag,
     MeasuredPush,
+    ReadErrors,
     push_noise,
     set_up_errors,
 )
@@ -55,7 +56,7 @@ _GAIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Beliefs:
+class SampledBeliefs:
     """Samples of what is believed of the unknowns, all alike likely, and their covariance.
 
     Attributes
@@ -73,7 +74,7 @@ class Beliefs:
     covariance: Array
 
 
-def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
+def sampled_beliefs(loop: CollectionLoop, samples: int) -> SampledBeliefs:
     """Return what the posterior of a loop's material tells; `samples` of it, evenly spread, are
     looked at.
 
@@ -90,11 +91,11 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
     ]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = evenly_spread(len(every), samples)
-    return Beliefs(loop, tuple(every[index] for index in chosen), covariance)
+    return SampledBeliefs(loop, tuple(every[index] for index in chosen), covariance)
 
 
 def push_sensitivity(
-    known: Beliefs, pushes: Sequence[MeasuredPush], read: tuple[float, float]
+    known: SampledBeliefs, pushes: Sequence[MeasuredPush], read: ReadErrors
 ) -> tuple[Array, Array, Array]:
     """Return where pushes end in each sample (s, n, 3), m and rad, and derivatives by UNKNOWNS, all
     over the noise: of these ends (s, n, 3, k), and of what is measured (s, n, 4, k).
@@ -168,7 +169,7 @@ class Target:
     chance: float | None = None
 
 
-def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
+def target_of(known: SampledBeliefs, name: str, by: Array, noise: Array) -> Target:
     """Return what is asked for: the stable directions and whether there are any, the whole map, or
     single pushes.
 
@@ -213,7 +214,7 @@ def cycle_map_by_unknowns(
     return between @ turn, between @ slope, between @ by[:, CYCLE_OUTPUTS.index("theta_next")]
 
 
-def _direction(known: Beliefs) -> Target:
+def _direction(known: SampledBeliefs) -> Target:
     """The stable directions, and by how much the map locks or fails to."""
     theta = 2.0 * math.pi * np.arange(_FINE) / _FINE
     rows = list[Array]()

@@ -52,8 +52,8 @@ from cyclemap.evidence.measured_plan import empty_table, identified_plan
 from cyclemap.evidence.plan_pushes import APPROACH, SetPush, candidate_pushes, plan_pushes
 from cyclemap.evidence.push_design import (
     UNKNOWNS,
-    Beliefs,
     Design,
+    SampledBeliefs,
     cycle_map_by_unknowns,
     push_sensitivity,
     sampled_beliefs,
@@ -206,7 +206,7 @@ def offered(loop: cm.CollectionLoop) -> tuple[SetPush, ...]:
 
 def knowing(loop: cm.CollectionLoop, surface: SurfaceParameters, count: int) -> list[SetPush]:
     """The pushes that the plan's criterion chooses where the world is known."""
-    believed = Beliefs(loop, (surface.values(),), sampled_beliefs(loop, 2).covariance)
+    believed = SampledBeliefs(loop, (surface.values(),), sampled_beliefs(loop, 2).covariance)
     pushes = offered(loop)[:160]
     made = [push.measured(loop.slider, loop.pusher.radius) for push in pushes]
     _, by, derivatives = push_sensitivity(believed, made, READ)

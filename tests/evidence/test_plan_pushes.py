@@ -19,8 +19,8 @@ from cyclemap.evidence.plan_pushes import candidate_pushes, in_room
 from cyclemap.evidence.push_design import (
     TARGETS,
     UNKNOWNS,
-    Beliefs,
     Design,
+    SampledBeliefs,
     over_noise,
     push_sensitivity,
     target_of,
@@ -38,9 +38,11 @@ TRUTH = SurfaceParameters.from_friction(
 WIDTHS = dict.fromkeys(UNKNOWNS, 0.05) | dict.fromkeys(UNKNOWNS[4:10], 3.0) | {UNKNOWNS[-1]: 5e-4}
 
 
-def believed() -> Beliefs:
+def believed() -> SampledBeliefs:
     """Plywood of Table I, which locks in, and widely what may be otherwise."""
-    return Beliefs(PLYWOOD, (TRUTH.values(),), np.diag([WIDTHS[name] ** 2 for name in UNKNOWNS]))
+    return SampledBeliefs(
+        PLYWOOD, (TRUTH.values(),), np.diag([WIDTHS[name] ** 2 for name in UNKNOWNS])
+    )
 
 
 @cache

@@ -49,6 +49,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     READ,
     ROD_OFF,
     MeasuredPush,
+    ReadErrors,
     measured_drags,
     measured_pushes,
     push_noise,
@@ -126,7 +127,7 @@ class SessionBlock:
 
     block: DataBlock
     words: str
-    read: tuple[float, float] | None = None
+    read: ReadErrors | None = None
     pushes: Sequence[MeasuredPush] = ()
     strayed: float | None = None
     scans: Array | None = None
@@ -311,7 +312,7 @@ def _end_blocks(
     otherwise: Labels,
     loop: CollectionLoop,
     wanted: Wanted,
-    read: tuple[float, float] | None = None,
+    read: ReadErrors | None = None,
     first_set: int | None = None,
     strayed: float | None = None,
 ) -> Taken:
@@ -363,7 +364,7 @@ def wrench_blocks(rows: pandas.DataFrame, loop: CollectionLoop) -> Taken:
         yield f"pairs are of several sources ({listed}): what stands in two counts twice"
 
 
-def _read_errors(rows: pandas.DataFrame) -> tuple[float, float] | None:
+def _read_errors(rows: pandas.DataFrame) -> ReadErrors | None:
     """How far readings are off, m and rad, where a table tells it."""
     length, angle = rows[[*ERRORS]].max().tolist()
     return None if math.isnan(length + angle) else (length, angle)

@@ -35,8 +35,9 @@ NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, o
 # drags, rad.
 _MISSED = (1.5e-3, math.radians(2.0))
 _MISSED_DRAG = math.radians(6.0)
-# How far a ruler and a phone are off, m and rad.
-READ = (1e-3, math.radians(1.0))
+# How far readings are off, m and rad; those of a ruler and a phone.
+ReadErrors = tuple[float, float]
+READ: ReadErrors = (1e-3, math.radians(1.0))
 # How far off its mark a rod is set by hand, m along x and y; the names of how a push was set up.
 SET_OFF = 2e-3
 ROD_OFF = "rod_off_"
@@ -264,7 +265,7 @@ def measured_drags(rows: pandas.DataFrame) -> tuple[MeasuredDrag, ...]:
     return tuple(drags)
 
 
-def push_noise(read: tuple[float, float]) -> Array:
+def push_noise(read: ReadErrors) -> Array:
     """Return the deviation (4,) of measured ends of a push (m, m, rad) that was set up by hand, and
     of a drag (rad), from what a model says.
 
@@ -284,7 +285,7 @@ def push_noise(read: tuple[float, float]) -> Array:
     return np.array((along, along, turned, dragged))
 
 
-def set_up_errors(read: tuple[float, float]) -> Array:
+def set_up_errors(read: ReadErrors) -> Array:
     """Return the deviation (3,) of how a push was set up by hand from what is read of it: where the
     rod touches the object (m, m), and how the object lay turned (rad).
 
