@@ -59,10 +59,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "mechanics/engine/cycle.c": (
         f"{ENGINE} tests/mechanics/test_drag.py tests/mechanics",
         [
-            (
-                "result[Y] = s * vector[X] + c * vector[Y];",
-                "result[Y] = s * vector[X] - c * vector[Y];",
-            ),
             ("double longer = -(toward[X]", "double longer = (toward[X]"),
             (
                 "before[c] + travel * toward[c] - after[c]",
@@ -74,6 +70,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "mechanics/engine/phase.c": (
         f"{ENGINE} tests/mechanics/test_random_cases.py",
         [
+            ("result[Y] = s * x + c * y;", "result[Y] = s * x - c * y;"),
+            ("normal[Y] - share * normal[X]", "normal[Y] + share * normal[X]"),
             (
                 "if (margin < 0.0)\n            high = h;",
                 "if (margin > 0.0)\n            high = h;",
@@ -793,10 +791,13 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "evidence/tables/own_rows.py": (
+    "evidence/tables/own_tables.py": (
         TABLES,
         [
-            ('rows["repetition"] = _numbers_apart(number, rows)', 'rows["repetition"] = number'),
+            (
+                'rows["repetition"] = _numbers_apart(repetition, rows)',
+                'rows["repetition"] = repetition',
+            ),
             ("np.diff(_collections(rows)) == 0.0", "np.diff(_collections(rows)) < 9.0"),
         ],
     ),
