@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.written import DIRECTION
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
@@ -24,8 +25,8 @@ _WANDER = math.radians(6.0)  # how far a rest may wander; the prior of its pull
 _LEAST_PULL = 0.1  # of the distance a step; a weaker pull is not told from none within a rest
 KERNEL = math.radians(12.0)  # standard deviation of the kernel of the law of visits
 # The first harmonic left out weighs exp(-12.5), under 4e-6.
-_ORDERS = np.arange(1, math.ceil(5.0 / KERNEL) + 1)
-_WEIGHTS = np.exp(-0.5 * (KERNEL * _ORDERS) ** 2)
+_HARMONICS = np.arange(1, math.ceil(5.0 / KERNEL) + 1)
+_WEIGHTS = np.exp(-0.5 * (KERNEL * _HARMONICS) ** 2)
 BLOCK = 48  # pushes that are shuffled together
 ORDERS = 199  # other orders of a block that it is compared with
 _REMEMBERED = 20.0  # blocks: older visits are forgotten, for surfaces wear
@@ -184,7 +185,7 @@ class Rest:
     towards: tuple[float, ...] = field(metadata=DIRECTION)
 
 
-def settling(visits: ArrayLike, scatter: float) -> tuple[float, float]:
+def settling(visits: Sequence[float] | Array, scatter: float) -> tuple[float, float]:
     """Return the present place of a path of visits, rad, n ≥ 2, and the limit of the linear law
     θ' = θ + s·(limit - θ) fitted to it, neither wrapped; steps are the shorter way round.
 
@@ -195,18 +196,15 @@ def settling(visits: ArrayLike, scatter: float) -> tuple[float, float]:
     >>> round(settling([1.0 + 0.5 * 0.8**step for step in range(30)], 0.1)[1], 2)
     1.0
     """
-    path = np.unwrap(np.asarray(visits, dtype=np.float64))
+    steps = shorter_way(np.diff(visits))
+    path = np.append(0.0, np.cumsum(steps))
     ago = np.arange(path.size)[::-1]
-    shares = (1.0 - _PRESENT) * _PRESENT**ago
-    present = path[0] + float(shares @ (path - path[0]))
-    places = path[:-1] - path[0]
-    steps = np.diff(path)
+    present = (1.0 - _PRESENT) * _PRESENT**ago @ path
     weights = _MEMORY ** ago[1:]
-    x, y = np.average([places, steps], axis=1, weights=weights)
-    covariance = weights @ ((places - x) * (steps - y))
-    variance = weights @ (places - x) ** 2
-    pull = min(max(-covariance / (variance + scatter**2), _LEAST_PULL), 1.0)
-    return present, float(path[0] + x + y / pull)
+    x, y = (weights @ values / weights.sum() for values in (path[:-1], steps))
+    off = path[:-1] - x
+    pull = -(weights @ (off * (steps - y))) / (weights @ off**2 + scatter**2)
+    return float(visits[0] + present), float(visits[0] + x + y / min(max(pull, _LEAST_PULL), 1.0))
 
 
 class VisitLaw:
@@ -215,7 +213,7 @@ class VisitLaw:
     """
 
     def __init__(self) -> None:
-        self._moments = np.zeros(_ORDERS.size, dtype=np.complex128)
+        self._moments = np.zeros(_HARMONICS.size, dtype=np.complex128)
         # Those that are remembered, old ones counted less.
         self.visits = 0.0
 
@@ -223,7 +221,7 @@ class VisitLaw:
         """Take visits ``theta`` (n,) rad, after forgetting all but the share ``kept`` of the older
         ones.
         """
-        waves = np.exp(-1j * np.multiply.outer(_ORDERS, theta))
+        waves = np.exp(-1j * np.multiply.outer(_HARMONICS, theta))
         self._moments = kept * self._moments + waves.sum(axis=1)
         self.visits = kept * self.visits + theta.size
 
@@ -241,7 +239,7 @@ class VisitLaw:
         ones follow chance.
         """
         grid = np.arange(720) * (math.pi / 360.0)
-        widest = np.exp(-0.5 * (_PEAK_KERNEL * _ORDERS) ** 2)
+        widest = np.exp(-0.5 * (_PEAK_KERNEL * _HARMONICS) ** 2)
         smoothed = np.append(0.0, np.minimum(_WEIGHTS, widest) * self._moments)
         return float(grid[np.argmax(polyval(np.exp(1j * grid), smoothed).real)])
 

@@ -933,7 +933,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "np.log((_RATES if hit else 1.0) / CHANCE)",
             ),
             ("new = -math.log(self._bets * (self._bets + 1))", "new = 0.0"),
-            ("pull = min(max(-covariance / (variance", "pull = min(max(covariance / (variance"),
+            ("pull = -(weights @ (off * (steps - y)))", "pull = (weights @ (off * (steps - y)))"),
             (
                 "return float(likelihoods[0] / np.mean(likelihoods)) if",
                 "return float(likelihoods[0]) if",
