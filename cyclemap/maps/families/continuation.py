@@ -13,7 +13,13 @@ from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.arclength import FIRST, ArclengthWalk, walked_both_ways
-from cyclemap.maps.families.family import Family, Range, family_member, parameter_range
+from cyclemap.maps.families.family import (
+    Family,
+    Range,
+    family_member,
+    parameter_inside,
+    parameter_range,
+)
 from cyclemap.maps.families.orbit_equations import (
     OrbitEquations,
     OrbitState,
@@ -269,11 +275,7 @@ def follow_orbit(
     (['saddle-node', 'saddle-node'], ('closed', 'closed'))
     """
     within = parameter_range("parameters", parameters)
-    p = within[0] if at is None else finite_number("at", at)
-    if not within[0] <= p <= within[1]:
-        raise InvalidInput(
-            f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside"
-        )
+    p = within[0] if at is None else parameter_inside("at", at, within)
     if isinstance(start, Orbit):
         points = np.array(start.points)
         turns = start.winding

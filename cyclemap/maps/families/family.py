@@ -295,6 +295,17 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
     return ParameterTangent(member, members, weights, step, motions, rates)
 
 
+def parameter_inside(name: str, value: float, within: Range) -> float:
+    """A parameter as a float inside the range, or InvalidInput."""
+    p = finite_number(name, value)
+    if not within[0] <= p <= within[1]:
+        raise InvalidInput(
+            f"{name} is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): take one "
+            "inside"
+        )
+    return p
+
+
 def break_motion(breaks: Array, moved: Array) -> Array:
     """How far each break has moved (radians, the short way round) to its partner among ``moved``.
 

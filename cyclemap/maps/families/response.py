@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number
-from cyclemap.errors import InvalidInput
+from cyclemap.checks import finite_array
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import (
     Family,
     ParameterTangent,
     Range,
+    parameter_inside,
     parameter_range,
     parameter_tangent,
 )
@@ -83,13 +83,9 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
     >>> found.rotation_number.holds(1.0), bool(abs(found.density(1.0)) < 1e-12)
     (True, True)
     """
-    low, high = parameter_range("parameters", parameters)
-    p = finite_number("parameter", parameter)
-    if not low <= p <= high:
-        raise InvalidInput(
-            f"parameter is {p:g}, outside the parameters ({low:g}, {high:g}): take one inside"
-        )
-    near, far = (parameter_tangent(family, p, share, (low, high)) for share in (_STEP, 2.0 * _STEP))
+    within = parameter_range("parameters", parameters)
+    p = parameter_inside("parameter", parameter, within)
+    near, far = (parameter_tangent(family, p, share, within) for share in (_STEP, 2.0 * _STEP))
     operator = transfer_operator(near.member, noise)
     return Response(operator, operator.law.smooth_basis, near, far)
 

@@ -251,13 +251,12 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
     return count, longest, non_negative_number("tolerance", tolerance)
 
 
-def _monotone_rotation(
-    circle_map: CircleMap, budget: _Budget, descent: float | None = None
-) -> RotationNumber:
+def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float) -> RotationNumber:
+    """The number of a lift that falls by no more than ``descent``."""
     iterates, max_period, tolerance = budget
     # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
     push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
-    push += largest_descent(circle_map) if descent is None else descent
+    push += descent
     under = _PushedOrbit(circle_map, -push)
     over = _PushedOrbit(circle_map, push)
     # Where the bounds may be wide enough soon, they are looked at more often.
