@@ -145,9 +145,8 @@ def eliminated(q: Array, out: Array) -> Elimination:
     order = np.argsort(-mass, kind="stable")
     moves = q[np.ix_(order, order)]
     leaving = out[order]
-    with np.errstate(
-        all="ignore"
-    ):  # numbers beyond all floats are said to be inf by who reads them
+    # Numbers beyond all floats are said to be inf by who reads them.
+    with np.errstate(all="ignore"):
         within = visits(moves[1:, 1:], leaving[1:] + moves[1:, 0])
         gone = within @ leaving[1:]
         ahead = moves[0, 1:]
