@@ -14,11 +14,11 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.contact_curve import SidePiece
+from cyclemap.mechanics.engine.columns import places_in
 from cyclemap.mechanics.engine.parts import PARTS
 from cyclemap.mechanics.engine.schema import (
     BALANCE,
     LOOP,
-    MODES,
     PIECE,
     RECORD,
     RESULT,
@@ -61,7 +61,7 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
     parts, pressed : the pressure as shares of the load, and as shapes of plate and floor, None
         where the footprint cannot have them.
     """
-    outline, unit = model.slider.outline, model.unit
+    outline, unit, layout = model.slider.outline, model.unit, LOOP.laid_out(_ADDRESS)
     hitch = [coordinate / unit for coordinate in model.slider.hitch]
     sides = [
         {
@@ -76,7 +76,7 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
     ]
     goals = [coordinate / unit for point in (*reset.way_points, (0.0, 0.0)) for coordinate in point]
     return {
-        "layout": {"fields": LOOP.places(_ADDRESS), "size": LOOP.laid_out(_ADDRESS).itemsize},
+        "layout": {"fields": places_in(layout), "size": layout.itemsize},
         "columns": {
             name: {"size": columns.size, **{key: columns.at(key) for key in columns.names}}
             for name, columns in (
@@ -93,7 +93,6 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
         "pieces": packed_numbers(piece_table(model.curve, (hitch[0], hitch[1]))),
         "sides": sides,
         **_outline(outline, unit),
-        "on_outline": [mode.place == "outline" for mode in MODES],
         "goals": packed_numbers(np.array(goals)),
         "pin_friction": reset.pin_friction_radius / unit,
         "parts": _parts(model),

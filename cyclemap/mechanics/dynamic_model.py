@@ -22,15 +22,15 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, point, positive_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.mechanics.engine.schema import QUADRATIC
 from cyclemap.mechanics.engine.strokes import pressure_at, pressure_tables
+from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint, grid_footprint
 from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.slider import GRAVITY, Pose, Pusher, SidePush, Slider
-from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory, turned
+from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory
 
 Places = tuple[tuple[float, float], ...]
 GRID = 8
@@ -144,7 +144,7 @@ class DynamicModel:
 
     def __post_init__(self) -> None:
         for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
-            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+            vars(self)[name] = positive_number(name, getattr(self, name))
         if not 1e-10 <= self.tolerance <= 1e-3:
             raise InvalidInput(
                 f"tolerance {self.tolerance} is out of reach: choose one from 1e-10 to 1e-3"
@@ -197,17 +197,10 @@ class DynamicModel:
         ConvergenceError
             Where the integration fails.
         """
-        radius, outline = self.pusher.radius, self.slider.outline
-        pieces = contact_curve(outline, radius).pieces
-        index, coordinate, _ = side_coordinate(outline, pieces, push.side, push.fraction)
-        contact = pieces[index].contact(coordinate, radius)
-        direction = pose.theta + contact.normal + math.pi + push.angle
-        touch = np.array(pose.to_world(*contact.rod_centre(radius)))
-        places = [
-            touch,
-            touch + push.distance * np.array((math.cos(direction), math.sin(direction))),
-        ]
-        end, course = self._run(pose, self._equations(outline, samples), places)
+        touch, way = first_contact(self.slider, push, self.pusher.radius)
+        places = (pose.to_world(*place) for place in (touch, touch + push.distance * way))
+        equations = self._equations(self.slider.outline, samples)
+        end, course = self._run(pose, equations, [np.array(place) for place in places])
         # The last sample is at rest, the one before it when the rod stops.
         ended = "distance" if np.any(course.contact_force[-2] != 0.0) else "left"
         return DynamicPush(pose, end, ended, course)
@@ -325,7 +318,8 @@ class DynamicModel:
             now, time, waits = leg[-1, 3:9], time + wait, waits + 1
         # Of the coming to rest only its end is kept.
         rows = np.concatenate([*kept, leg[-1:]])
-        lever = turned(rows[:, 5], np.array([self.slider.centre_of_mass]))
+        (x, y), c, s = self.slider.centre_of_mass, np.cos(rows[:, 5]), np.sin(rows[:, 5])
+        lever = np.column_stack([c * x - s * y, s * x + c * y])
         course = DynamicTrajectory(
             time=length / self.speed * rows[:, 0],
             path=length * np.minimum(rows[:, 0], way),

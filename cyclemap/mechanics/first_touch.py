@@ -14,7 +14,6 @@ from cyclemap.mechanics.contact_curve import (
     contact_curve,
     side_coordinate,
 )
-from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.slider import SidePush, Slider
 
 # Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the
@@ -39,23 +38,14 @@ def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[Array,
     Raises InvalidInput for a side that is not there, and a place that the rod cannot touch.
 
     >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
-    >>> (1e3 * place).round(6).tolist(), (way + 0.0).tolist()
+    >>> (1e3 * place).round(6).tolist(), (way.round(9) + 0.0).tolist()
     ([-18.0, 49.75], [0.0, -1.0])
     """
-    outline = slider.outline
-    # It refuses what cannot be touched.
-    side_coordinate(outline, contact_curve(outline, radius).pieces, push.side, push.fraction)
-    if isinstance(outline, Ellipse):
-        angle = 2.0 * math.pi * push.fraction
-        place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])
-        inward = -np.array([math.cos(angle) / outline.semi_x, math.sin(angle) / outline.semi_y])
-    else:
-        first, second = outline.array[push.side], outline.array[(push.side + 1) % outline.sides]
-        place = first + push.fraction * (second - first)
-        inward = np.array([first[1] - second[1], second[0] - first[0]])
-    x, y = inward / math.hypot(*inward)
-    c, s = math.cos(push.angle), math.sin(push.angle)
-    return place - radius * np.array([x, y]), np.array([c * x - s * y, s * x + c * y])
+    pieces = contact_curve(slider.outline, radius).pieces
+    index, coordinate, _ = side_coordinate(slider.outline, pieces, push.side, push.fraction)
+    contact = pieces[index].contact(coordinate, radius)
+    way = contact.normal + math.pi + push.angle
+    return np.array(contact.rod_centre(radius)), np.array((math.cos(way), math.sin(way)))
 
 
 def first_touches(

@@ -136,9 +136,14 @@ class PatchFootprint:
                 "more of the load even, or give support points"
             )
         vars(self).update(
-            centre=centre, even_share=even_share, extent=outline.extent, second_moments=moments
+            centre=centre,
+            even_share=even_share,
+            extent=outline.extent,
+            second_moments=moments,
+            gradient=gradient,
+            balance=balance,
+            has_frame=has_frame,
         )
-        vars(self).update(gradient=gradient, balance=balance, has_frame=has_frame)
 
 
 @lru_cache(maxsize=256)
@@ -146,13 +151,15 @@ def _shape_of(outline: Outline) -> tuple[Array, Array, bool]:
     """Second moments (2, 2), the mean corner off the centroid (2,), and whether it has a frame;
     refuses thin ones.
     """
-    points, weights = area_quadrature(outline)
-    lever = points - outline.centroid
-    moments = np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
     corners, has_frame = np.zeros(2), True
     if isinstance(outline, Ellipse):
-        thickness = min(outline.semi_x, outline.semi_y) / outline.extent
+        semi_axes = np.array((outline.semi_x, outline.semi_y))
+        moments = np.diag(semi_axes**2) / 4.0
+        thickness = float(semi_axes.min()) / outline.extent
     else:
+        points, weights = area_quadrature(outline)
+        lever = points - outline.centroid
+        moments = np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
         thickness = float(np.sqrt(12.0 * max(np.linalg.eigvalsh(moments)[0], 0.0)) / outline.extent)
         corners = np.asarray(outline.array.mean(axis=0) - outline.centroid)
         inside = outline.scaled(INNER, outline.centroid)
@@ -464,11 +471,8 @@ def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
     start, arms = outline.array, side_arms(outline)
     end = np.roll(start, -1, axis=0)
     length = np.hypot(*(end - start).T)
-    points, shares = [], []
-    for a, b, share, several in zip(
-        start, end, arms / arms.sum(), np.rint(count * length / length.sum()), strict=True
-    ):
-        pieces = max(int(several), 1)
-        points.append(a + ((np.arange(pieces) + 0.5) / pieces)[:, None] * (b - a))
-        shares.append(np.full(pieces, share / pieces))
-    return np.concatenate(points), np.concatenate(shares)
+    pieces = np.maximum(np.rint(count * length / length.sum()), 1.0)
+    side = np.repeat(np.arange(len(start)), pieces.astype(int))
+    along = (np.arange(side.size) - np.searchsorted(side, side) + 0.5) / pieces[side]
+    points = start[side] + along[:, None] * (end - start)[side]
+    return points, (arms / arms.sum() / pieces)[side]

@@ -55,7 +55,7 @@ class SurfaceShape:
 
     def __post_init__(self) -> None:
         for name in ("dome", "bow", "axis"):
-            object.__setattr__(self, name, finite_number(name, getattr(self, name)))
+            vars(self)[name] = finite_number(name, getattr(self, name))
         if max(abs(self.dome), abs(self.bow)) > _STIFFEST:
             raise InvalidInput(
                 f"a dome of {self.dome:g} and a bow of {self.bow:g} at 50 mm: beyond {_STIFFEST:g} "
@@ -134,8 +134,8 @@ class FloorField:
                 f"coefficients of a floor's field have {len(array)} rows: give three, of its dome "
                 "and both components of its bow"
             )
-        object.__setattr__(self, "coefficients", tuple(map(tuple, array.tolist())))
-        object.__setattr__(self, "reach", positive_number("reach of a floor's field", self.reach))
+        reach = positive_number("reach of a floor's field", self.reach)
+        vars(self).update(coefficients=tuple(map(tuple, array.tolist())), reach=reach)
 
     def terms_at(self, place: tuple[float, float]) -> Array:
         """Return X, Y, X^2, X Y, Y^2 (5,) at a place (x, y), m."""
@@ -246,11 +246,16 @@ class PressedFootprint:
             )
         size = outline.extent
         unit = (size / SHAPE_RADIUS) ** 2 * size**2 / outline.area
-        vars(self).update(centre=centre, extent=size, bend_unit=unit)
-        vars(self).update(plate_bend=unit * self.plate.bend, floor_bend=unit * self.floor.bend)
         coefficients = np.zeros((3, 5)) if self.field is None else np.array(self.field.coefficients)
         powers = np.array((1, 1, 2, 2, 2))
-        vars(self).update(field_bend=unit * coefficients * (size / SHAPE_RADIUS) ** powers)
+        vars(self).update(
+            centre=centre,
+            extent=size,
+            bend_unit=unit,
+            plate_bend=unit * self.plate.bend,
+            floor_bend=unit * self.floor.bend,
+            field_bend=unit * coefficients * (size / SHAPE_RADIUS) ** powers,
+        )
 
     def is_near(self, other: "PressedFootprint") -> bool:
         """Whether shapes, field and centre of another footprint are the same, but for rounding."""

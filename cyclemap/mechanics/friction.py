@@ -71,9 +71,9 @@ class EllipseFriction:
 
     def __post_init__(self) -> None:
         for name in ("mu_a", "mu_b"):
-            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+            vars(self)[name] = positive_number(name, getattr(self, name))
         for name in ("m0", "n0", "phi"):
-            object.__setattr__(self, name, finite_number(name, getattr(self, name)))
+            vars(self)[name] = finite_number(name, getattr(self, name))
         if math.hypot(self.m0 / self.mu_a, self.n0 / self.mu_b) >= 1.0:
             raise InvalidInput(
                 f"the friction ellipse mu_a={self.mu_a}, mu_b={self.mu_b} with centre "

@@ -103,9 +103,7 @@ class PlatePressure:
                 f"a plate's name is {self.plate!r}: it must be the name of a slider, such as rect1"
             )
         for key in SHARE_KEYS:
-            object.__setattr__(
-                self, key, finite_number(f"{key} of {self.plate}", getattr(self, key))
-            )
+            vars(self)[key] = finite_number(f"{key} of {self.plate}", getattr(self, key))
         shares = self.shares
         given = ", ".join(f"{key} {value:g}" for key, value in shares.items())
         if min(shares.values()) < 0.0 or sum(shares.values()) > 1.0 + 1e-12:
@@ -209,10 +207,8 @@ class FrameShift:
 
     def __post_init__(self) -> None:
         for name in ("x", "y"):
-            value = finite_number(
-                f"shift of the frames of {self.plate} along {name}", getattr(self, name)
-            )
-            object.__setattr__(self, name, value)
+            what = f"shift of the frames of {self.plate} along {name}"
+            vars(self)[name] = finite_number(what, getattr(self, name))
         if math.hypot(self.x, self.y) > _LONGEST_SHIFT:
             raise InvalidInput(
                 f"the frames of {self.plate} are shifted by {1e3 * math.hypot(self.x, self.y):.3g} "
@@ -279,8 +275,7 @@ class MaterialPosterior:
             raise InvalidInput(
                 f"a posterior has {len(rows)} samples: it needs from 2 to {_MOST_SAMPLES}"
             )
-        object.__setattr__(self, "parameters", names)
-        object.__setattr__(self, "samples", tuple(map(tuple, rows.tolist())))
+        vars(self).update(parameters=names, samples=tuple(map(tuple, rows.tolist())))
 
     def __len__(self) -> int:
         return len(self.samples)
@@ -323,7 +318,7 @@ class Wear:
     floor: SurfaceShape | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cycles", positive_number("cycles of wear", self.cycles))
+        vars(self)["cycles"] = positive_number("cycles of wear", self.cycles)
         if len(self.course):
             course = finite_array("course of wear", self.course, last=2)
             whole = np.vstack([[0.0, 0.0], np.atleast_2d(course), [self.cycles, 1.0]])
@@ -336,7 +331,7 @@ class Wear:
                     f"the course of wear {course.tolist()} must be pairs [cycles, share] that "
                     f"increase, between [0, 0] and [{self.cycles:g}, 1]"
                 )
-            object.__setattr__(self, "course", tuple(map(tuple, course.tolist())))
+            vars(self)["course"] = tuple(map(tuple, course.tolist()))
 
     def share(self, cycles: float) -> float:
         """Return how much of the way is gone after some cycles, in [0, 1]."""
@@ -379,7 +374,7 @@ class CycleNoise:
             raise InvalidInput(
                 f"log_sigma has {numbers.size} numbers: it takes one, and pairs of cosine and sine"
             )
-        object.__setattr__(self, "log_sigma", tuple(numbers.tolist()))
+        vars(self)["log_sigma"] = tuple(numbers.tolist())
         if not 0.0 <= finite_number("correlation", self.correlation) < 1.0:
             raise InvalidInput(
                 f"correlation of successive cycles is {self.correlation:g}: it must lie in [0, 1)"
@@ -460,11 +455,11 @@ class Material:
 
     def __post_init__(self) -> None:
         for name in ("plates", "frames", "sessions"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+            vars(self)[name] = tuple(getattr(self, name))
         spread = finite_array("session spread", self.session_spread, last=3, ndim=1)
         if np.any(spread < 0.0):
             raise InvalidInput(f"session spread {spread.tolist()}: deviations must not be negative")
-        object.__setattr__(self, "session_spread", tuple(spread.tolist()))
+        vars(self)["session_spread"] = tuple(spread.tolist())
         worn = FLAT if self.wear is None or self.wear.floor is None else self.wear.floor
         if not (self.has_flat_floor and worn.is_flat):
             shared = [plate.plate for plate in self.plates if any(plate.shares.values())]

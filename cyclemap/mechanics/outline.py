@@ -4,14 +4,13 @@ inside.
 
 import math
 from dataclasses import dataclass, field
-from functools import cache
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, positive_number, read_only
+from cyclemap.checks import finite_array, positive_number
 from cyclemap.errors import InvalidInput
 
 
@@ -206,32 +205,14 @@ class Ellipse:
 Outline = Polygon | Ellipse
 
 
-@cache
-def gauss_rule(order: int) -> tuple[Array, Array]:
-    """Return Gauss's nodes (order,) in the unit interval, and their weights, of sum one."""
-    node, weight = np.polynomial.legendre.leggauss(order)
-    return read_only((node + 1.0) / 2.0), read_only(weight / 2.0)
-
-
-def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
+def area_quadrature(outline: Polygon, order: int = 6) -> tuple[Array, Array]:
     """Return points (k, 2) and weights (k,) of the mean over an outline, exact up to degree 2 order
     - 2.
     """
-    if isinstance(outline, Ellipse):
-        # Gauss in the squared radius, equal angles around.
-        count = 2 * order + 4
-        node, weight = gauss_rule(order + 2)
-        radius, angle = np.meshgrid(
-            np.sqrt(node), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
-        )
-        places = np.stack(
-            [outline.semi_x * radius * np.cos(angle), outline.semi_y * radius * np.sin(angle)],
-            axis=-1,
-        )
-        return places.reshape(-1, 2), np.repeat(weight / count, count)
     # Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in
     # sign).
-    node, weight = gauss_rule(order)
+    node, weight = np.polynomial.legendre.leggauss(order)
+    node, weight = (node + 1.0) / 2.0, weight / 2.0
     s, t = np.meshgrid(node, node, indexing="ij")
     share = np.outer(weight, weight) * s
     apex, points, weights = outline.array[0], [], []

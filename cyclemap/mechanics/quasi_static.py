@@ -121,8 +121,8 @@ class QuasiStaticModel:
             weight=self.slider.weight,
             unit=size,
             radius=self.pusher.radius / size,
+            scale=math.sqrt(law.mu_a) * math.sqrt(law.mu_b),
         )
-        vars(self).update(scale=math.sqrt(law.mu_a) * math.sqrt(law.mu_b))
 
     @property
     def isotropic(self) -> "QuasiStaticModel":

@@ -183,7 +183,7 @@ class Pose:
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "theta"):
-            object.__setattr__(self, name, finite_number(f"pose {name}", getattr(self, name)))
+            vars(self)[name] = finite_number(f"pose {name}", getattr(self, name))
 
     def to_world(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the object's frame (m) is in the world, m."""
@@ -229,8 +229,8 @@ class Pusher:
     friction: float = 0.15
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", non_negative_number("pusher radius", self.radius))
-        object.__setattr__(self, "friction", non_negative_number("pusher friction", self.friction))
+        for name in ("radius", "friction"):
+            vars(self)[name] = non_negative_number(f"pusher {name}", getattr(self, name))
 
 
 @dataclass(frozen=True)
@@ -272,10 +272,12 @@ class SidePush:
         side = finite_number("push side", self.side)
         if side != int(side) or side < 0:
             raise InvalidInput(f"push side must be a whole number from 0, not {self.side!r}")
-        object.__setattr__(self, "side", int(side))
-        object.__setattr__(self, "fraction", finite_number("contact fraction", self.fraction))
-        object.__setattr__(self, "angle", finite_number("push angle", self.angle))
-        object.__setattr__(self, "distance", positive_number("push distance", self.distance))
+        vars(self).update(
+            side=int(side),
+            fraction=finite_number("contact fraction", self.fraction),
+            angle=finite_number("push angle", self.angle),
+            distance=positive_number("push distance", self.distance),
+        )
         if not 0.0 <= self.fraction <= 1.0:
             raise InvalidInput(
                 f"contact fraction {self.fraction} lies outside the side: it runs from 0 to 1"
@@ -319,9 +321,11 @@ class WorldPush:
     distance: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", point("push start", self.start))
-        object.__setattr__(self, "direction", finite_number("push direction", self.direction))
-        object.__setattr__(self, "distance", positive_number("push distance", self.distance))
+        vars(self).update(
+            start=point("push start", self.start),
+            direction=finite_number("push direction", self.direction),
+            distance=positive_number("push distance", self.distance),
+        )
 
 
 @dataclass(frozen=True)
@@ -355,6 +359,5 @@ class DragBack:
 
     def __post_init__(self) -> None:
         radius = non_negative_number("pin friction radius", self.pin_friction_radius)
-        object.__setattr__(self, "pin_friction_radius", radius)
-        points = tuple(point("way-point", p) for p in self.way_points)
-        object.__setattr__(self, "way_points", points)
+        points = tuple(point("way-point", place) for place in self.way_points)
+        vars(self).update(pin_friction_radius=radius, way_points=points)

@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.engine.schema import KINDS, MODES, PIECE, RECORD
+from cyclemap.mechanics.engine.schema import MODES, RECORD
 from cyclemap.mechanics.engine.strokes import Strokes, record
 from cyclemap.mechanics.slider import Pose
 
-# Of each mode: its name, the sign of its friction, where it is and whether it sticks.
+# Of each mode: its name, the sign of its friction, whether it is on the outline and sticks.
 _NAMES, _SIGNS = np.array([mode.name for mode in MODES]), np.array([mode.sign for mode in MODES])
 _ON_OUTLINE = np.array([mode.place == "outline" for mode in MODES])
-_IN_WEDGE = np.array([mode.place == "wedge" for mode in MODES])
 _STICKS = np.array([mode.law == "stick" for mode in MODES])
 
 
@@ -91,7 +90,7 @@ class Course:
 
     @cached_property
     def rows(self) -> Array:
-        """What the engine wrote down (n, 15), columns of RECORD.
+        """What the engine wrote down (n, 16), columns of RECORD.
 
         Raises ConvergenceError where it cannot follow the motion in steps so short.
         """
@@ -100,67 +99,25 @@ class Course:
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""
         of_first = RECORD.columns_of(self.rows).stroke == 0.0
-        rows = self.rows[of_first & (self.strokes.length > 0.0) == of_push]
-        recorded = RECORD.columns_of(rows)
+        recorded = RECORD.columns_of(self.rows[of_first & (self.strokes.length > 0.0) == of_push])
         modes = recorded.mode.astype(int)
-        on_outline, in_wedge = _ON_OUTLINE[modes], _IN_WEDGE[modes]
-        radius = np.where(on_outline, self.strokes.radius, 0.0)[:, None]
-        point, outward = (
-            turned(recorded.theta, recorded.point),
-            turned(recorded.theta, recorded.normal),
-        )
-        along = np.column_stack([-outward[:, 1], outward[:, 0]])
-        force = -recorded.compression[:, None] * outward + recorded.tangential[:, None] * along
-        # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are
-        # compressions.
-        held = recorded.rod - radius * outward
-        pose = np.column_stack([self.unit * (held - point), recorded.theta])
-        touch = held.copy()
-        if in_wedge.any():
-            touch[in_wedge], force[in_wedge] = self._wedged(rows[in_wedge], modes[in_wedge])
-        # Travel starts anew with every leg.
-        begins = np.diff(recorded.stroke, prepend=recorded.stroke[:1]) != 0.0
-        path = recorded.travel + np.cumsum(np.where(begins, np.roll(recorded.travel, 1), 0.0))
-        phase = np.cumsum(np.append(0, np.diff(path) <= 0.0))
         # How far a contact's force lies outside the friction cone, or off its edge where the rod
         # slides.
         limit = self.strokes.rod_friction * recorded.compression
         inside = np.abs(recorded.tangential) - limit
         off_edge = np.abs(recorded.tangential - _SIGNS[modes] * limit)
-        off = np.where(_STICKS[modes], inside, off_edge)
-        outside = np.where(on_outline, np.maximum(np.maximum(off, -recorded.compression), 0.0), 0.0)
+        off = np.maximum(np.where(_STICKS[modes], inside, off_edge), -recorded.compression)
+        outside = off[_ON_OUTLINE[modes]].max(initial=0.0)
         return Trajectory(
-            self.unit * path,
-            pose,
-            self.unit * recorded.rod,
-            self.unit * touch,
-            self.scale * self.weight * force,
-            _NAMES[modes],
-            phase,
-            float(max(recorded.residual.max(), outside.max())),
+            path=self.unit * recorded.way,
+            pose=np.column_stack([self.unit * recorded.place, recorded.theta]),
+            pusher=self.unit * recorded.rod,
+            contact_point=self.unit * recorded.touch,
+            contact_force=self.scale * self.weight * recorded.force,
+            mode=_NAMES[modes],
+            phase=np.cumsum(np.diff(recorded.way, prepend=-1.0) <= 0.0),
+            residual=float(max(recorded.residual.max(), outside)),
         )
-
-    def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
-        """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world
-        frame.
-        """
-        recorded = RECORD.columns_of(rows)
-        pieces = PIECE.columns_of(self.strokes.pieces[recorded.piece.astype(int)])
-        wedge = KINDS["wedge"].columns_of(pieces.geometry)
-        smu = self.strokes.rod_friction * _SIGNS[modes]
-        contacts = (
-            (wedge.first_normal, smu, recorded.compression),
-            (wedge.second_normal, smu * wedge.sense, recorded.tangential),
-        )
-        total = np.zeros((len(rows), 2))
-        for angle, friction, compression in contacts:
-            c, s = np.cos(angle + recorded.theta), np.sin(angle + recorded.theta)
-            edge = np.column_stack([-c - friction * s, -s + friction * c])
-            total += compression[:, None] * edge
-        angle = wedge.first_normal + recorded.theta
-        return recorded.rod - self.strokes.radius * np.column_stack(
-            [np.cos(angle), np.sin(angle)]
-        ), total
 
 
 @dataclass(frozen=True)
@@ -356,11 +313,3 @@ class DynamicDrag(Stroke):
 
     length: float
     trajectory: DynamicTrajectory
-
-
-def turned(angle: Array, vectors: Array) -> Array:
-    """Return vectors (n, 2) or (1, 2) turned counter-clockwise by angles (n,), rad."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack(
-        [c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]]
-    )

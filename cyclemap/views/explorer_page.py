@@ -28,7 +28,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence import Theta0Pairs
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER
 from cyclemap.mechanics import Ellipse
 from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
 from cyclemap.plain_text import typeset
@@ -37,6 +36,7 @@ from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES
 from cyclemap.views import sentences
 from cyclemap.views.panels.layout import render
 from cyclemap.views.portrait_page import portrait_page
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
 WORKER = ("engine.js", "circle.js", "worker.js")

@@ -380,7 +380,7 @@ def worst_words(about: MaterialRange) -> str:
     >>> worst_words(material_range(load_material("pu"))).partition(" (")[0]
     'at most in 95 % of its posterior, with 95 % confidence'
     """
-    remark = f" ({about.told})" if about.told else ""
+    remark = f" ({about.origin})" if about.origin else ""
     if about.sampled:
         share, confidence = 100.0 * about.share, 100.0 * about.confidence
         return (

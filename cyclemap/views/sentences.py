@@ -157,7 +157,12 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
 
 
 def _ends(interval: DirectionInterval) -> str:
-    decimals, low, high = _decimals(interval), interval.lower, interval.upper
+    """Where an interval begins and ends; one of more than half a turn tells no direction."""
+    low = interval.lower
+    high = interval.upper
+    if high - low > math.pi:
+        return "any direction"
+    decimals = _decimals(interval)
     ends = (
         angle(low, decimals),
         angle(high % TWO_PI if high > TWO_PI else high, decimals),

@@ -127,6 +127,13 @@ def test_along_whole_pushes_the_independent_solver_finds_the_engines_modes_and_f
         if name != "wedge_stuck":
             forces = course.scale * np.array((told.compression, told.tangential))
             assert np.allclose(forces, [force for force, _ in mode.forces], rtol=0.0, atol=1e-8)
+            own = [
+                along * contact.tangent - press * contact.normal
+                for (press, along), contact in zip(mode.forces, places, strict=True)
+            ]
+            turn = np.column_stack([unit(told.theta), unit(told.theta + np.pi / 2.0)])
+            force = course.scale * np.array(told.force)
+            assert np.allclose(force, turn @ np.sum(own, axis=0), rtol=0.0, atol=1e-8)
     assert seen == set(modes)
 
 

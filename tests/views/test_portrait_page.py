@@ -226,7 +226,14 @@ def test_a_long_list_of_errors_is_told_in_its_first_clauses() -> None:
 
 
 @pytest.mark.parametrize(
-    ("width", "told"), [(0.5, "84.0° to 84.5°"), (0.03, "84.000° to 84.030°"), (0.0, "84.000°")]
+    ("width", "told"),
+    [
+        (0.5, "84.0° to 84.5°"),
+        (0.03, "84.000° to 84.030°"),
+        (0.0, "84.000°"),
+        (170.0, "84° to 254°"),
+        (340.0, "at any direction (in 100% of samples)"),
+    ],
 )
 def test_the_ends_of_an_interval_are_told_apart(width, told) -> None:
     ends = math.radians(84.0), math.radians(84.0 + width)

@@ -73,12 +73,15 @@ class Columns:
 
 @dataclass(frozen=True)
 class Structure:
-    """A structure of C: its name and fields: name, kind (number, whole, table or a structure),
-    count (0: one).
+    """A structure of C: structures in it, with their names; then names of numbers, of whole numbers
+    and of tables, with a space between, those of several with a colon and their count.
     """
 
     name: str
-    fields: tuple[tuple[str, "str | Structure", int], ...]
+    numbers: str
+    wholes: str
+    tables: str
+    inner: tuple[tuple[str, "Structure"], ...] = ()
 
     @cached_property
     def dtype(self) -> np.dtype[np.void]:
@@ -87,39 +90,40 @@ class Structure:
 
     def laid_out(self, address: np.dtype[Any]) -> np.dtype[np.void]:
         """The structure where tables have addresses of that kind."""
-        kinds: dict[str, Any] = {"number": "f8", "whole": "i8", "table": address}
-        fields = []
-        for name, kind, count in self.fields:
-            of = kind.laid_out(address) if isinstance(kind, Structure) else kinds[kind]
-            fields.append((name, of, count) if count else (name, of))
+        fields: list[Any] = [(name, inner.laid_out(address)) for name, inner in self.inner]
+        for kind, names in (("f8", self.numbers), ("i8", self.wholes), (address, self.tables)):
+            for entry in names.split():
+                name, _, count = entry.partition(":")
+                fields.append((name, kind, int(count)) if count else (name, kind))
         return np.dtype(fields, align=True)
-
-    def places(self, address: np.dtype[Any]) -> dict[str, tuple[int, str]]:
-        """Where each number or table of a structure begins, bytes, and its kind; by dotted names.
-
-        >>> inner = Structure("Inner", (("count", "whole", 0),))
-        >>> Structure("Outer", (("at", "table", 0), ("in", inner, 0))).places(np.dtype("u4"))
-        {'at': (0, 'table'), 'in.count': (8, 'whole')}
-        """
-        laid = self.laid_out(address)
-        places: dict[str, tuple[int, str]] = {}
-        for name, kind, _ in self.fields:
-            start = laid.fields[name][1] if laid.fields is not None else 0
-            if isinstance(kind, Structure):
-                inner = kind.places(address).items()
-                places |= {f"{name}.{key}": (start + at, of) for key, (at, of) in inner}
-            else:
-                places[name] = (start, kind)
-        return places
 
     def definition(self) -> str:
         """Return the definition in C."""
-        kinds = {"number": "double ", "whole": "int64_t ", "table": "const double *"}
-        lines = []
-        for name, kind, count in self.fields:
-            of = f"{kind.name} " if isinstance(kind, Structure) else kinds[kind]
-            lines.append(f"    {of}{name}{f'[{count}]' if count else ''};")
+        lines = [f"    {inner.name} {name};" for name, inner in self.inner]
+        kinds = {"double ": self.numbers, "int64_t ": self.wholes, "const double *": self.tables}
+        for kind, names in kinds.items():
+            for entry in names.split():
+                name, _, count = entry.partition(":")
+                lines.append(f"    {kind}{name}{f'[{count}]' if count else ''};")
         return "\n".join([f"typedef struct {self.name} {{", *lines, f"}} {self.name};"])
+
+
+def places_in(laid: np.dtype[Any]) -> dict[str, tuple[int, str]]:
+    """Return where each number or table of a structure begins, bytes, and its kind; by dotted names.
+
+    >>> inner = Structure("Inner", "", "count", "")
+    >>> outer = Structure("Outer", "size", "", "at", (("in", inner),))
+    >>> places_in(outer.laid_out(np.dtype("u4")))
+    {'in.count': (0, 'whole'), 'size': (8, 'number'), 'at': (16, 'table')}
+    """
+    kinds = {"f": "number", "i": "whole", "u": "table"}
+    places: dict[str, tuple[int, str]] = {}
+    for name, (kind, start, *_) in (laid.fields or {}).items():
+        for key, (at, of) in places_in(kind).items():
+            places[f"{name}.{key}"] = (start + at, of)
+        if not kind.fields:
+            places[name] = (start, kinds[kind.base.kind])
+    return places
 
 
 def enum_of(values: dict[str, int]) -> str:

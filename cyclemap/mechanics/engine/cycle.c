@@ -12,12 +12,6 @@ typedef struct {
     int count;
 } Body;
 
-static void turned(double angle, const double *vector, double *result) {
-    double c = cos(angle), s = sin(angle);
-    result[X] = c * vector[X] - s * vector[Y];
-    result[Y] = s * vector[X] + c * vector[Y];
-}
-
 /* What a parameter's own derivative is where it is the one that column k varies, and it varies at
    all. */
 static double one(const Loop *loop, int k, int which, int own) {
@@ -215,6 +209,7 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
         Variation v = {.count = body->count};
         if (record) {
             record->stroke = leg + 1.0;
+            record->before = *way;
             record->travelled = 0.0;
             memcpy(record->start, ring, sizeof ring);
         }

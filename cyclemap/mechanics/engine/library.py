@@ -63,32 +63,19 @@ def _flaw(folder: Path) -> str | None:
 
 
 def _is_whole(content: bytes) -> bool:
-    """Whether a library goes on to where its own tables say that it ends.
+    """Whether a library goes on to its end, where compilers put the table of its sections.
 
     Linux maps what is not there, and kills the process that comes to it; other systems look.
     """
     if content[:4] != b"\x7fELF":
         return True
     long_words, order = content[4:5] == b"\x02", "<" if content[5:6] == b"\x01" else ">"
-    header = struct.Struct(f"{order}{'QQI6H' if long_words else 'III6H'}")
-    begin = 32 if long_words else 28
+    header = struct.Struct(f"{order}{'QI6H' if long_words else 'II6H'}")
+    begin = 40 if long_words else 32
     if len(content) < begin + header.size:
         return False
-    segments, sections, *sizes = header.unpack_from(content, begin)
-    segment_size, segment_count, section_size, section_count = sizes[2:6]
-    ends: list[int] = [
-        sections + section_count * section_size,
-        segments + segment_count * segment_size,
-    ]
-    if max(ends) > len(content):
-        return False
-    # Of each segment, where it begins in the file and how much of it is there.
-    place, length = (8, 32) if long_words else (4, 16)
-    word = struct.Struct(f"{order}{'Q' if long_words else 'I'}")
-    for row in range(segments, ends[1], segment_size):
-        begin, size = (word.unpack_from(content, row + at)[0] for at in (place, length))
-        ends.append(begin + size)
-    return max(ends) <= len(content)
+    sections, _, *_, size, count, _ = header.unpack_from(content, begin)
+    return bool(sections + count * size <= len(content))
 
 
 @cache

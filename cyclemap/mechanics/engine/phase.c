@@ -28,8 +28,36 @@ enum { NOTHING = -100, MOST_STEPS = 20000 };
 /* Where a stroke is written down, as long as there is room. */
 struct Record {
     int64_t count, room;
-    double *rows, longest, stroke, travelled, start[2];
+    double *rows, longest, stroke, before, travelled, start[2];
 };
+
+static void turned(double angle, const double *vector, double *result) {
+    double c = cos(angle), s = sin(angle), x = vector[X], y = vector[Y];
+    result[X] = c * x - s * y;
+    result[Y] = s * x + c * y;
+}
+
+/* Adds a contact's force: compression, and what is along the tangent as a share of it. */
+static void add_force(const double *normal, double compression, double share, double *force) {
+    force[X] -= compression * (normal[X] + share * normal[Y]);
+    force[Y] -= compression * (normal[Y] - share * normal[X]);
+}
+
+/* The rod's force on the object, in the object's frame. In a wedge both contacts are on an edge of
+   their cones. */
+static void force_on(const Motion *m, const double *frame, const double *report, double *force) {
+    const double normal[] = {frame[FRAME_COSINE], frame[FRAME_SINE]};
+    const double second[] = {frame[FRAME_SECOND_COSINE], frame[FRAME_SECOND_SINE]};
+    double smu = m->p[SMU], sense = m->p[GEOMETRY + WEDGE_SENSE];
+    force[X] = force[Y] = 0.0;
+    add_force(normal, report[NORMAL_FORCE], place_of(m) == AT_WEDGE ? smu : 0.0, force);
+    if (place_of(m) == AT_WEDGE)
+        add_force(second, report[TANGENTIAL_FORCE], smu * sense, force);
+    else {
+        force[X] -= report[TANGENTIAL_FORCE] * normal[Y];
+        force[Y] += report[TANGENTIAL_FORCE] * normal[X];
+    }
+}
 
 /* The margin that is least, in slacks. */
 static int least(const double *row, const double *slack, double *value) {
@@ -161,23 +189,34 @@ static int record(Stroke *r, Motion *m, const double *row) {
     if (solved < 0) return solved;
     Begun b;
     begin(r, &at, row, at.z, &b);
-    const double *f = b.frame;
+    const double *f = b.frame, own_point[] = {f[FRAME_X], f[FRAME_Y]};
+    const double own_normal[] = {f[FRAME_COSINE], f[FRAME_SINE]};
+    double own_force[2], force[2], point[2], normal[2];
+    force_on(&at, f, report, own_force);
+    turned(row[THETA], own_force, force);
+    turned(row[THETA], own_point, point);
+    turned(row[THETA], own_normal, normal);
+    /* ring and wedge hold the rod's centre itself, which a wedge has at a radius from what it
+       touches */
+    double held = place_of(m) == AT_OUTLINE ? r->object->radius : 0.0;
+    double touched = place_of(m) == AT_RING ? 0.0 : r->object->radius;
+    const double ahead[] = {cos(r->direction), sin(r->direction)};
     double *to_row = to->rows + RECORD_COLUMNS * to->count++;
     to_row[RECORD_STROKE] = to->stroke;
-    to_row[RECORD_TRAVEL] = to->travelled;
-    to_row[RECORD_ROD + X] = to->start[X] + to->travelled * cos(r->direction);
-    to_row[RECORD_ROD + Y] = to->start[Y] + to->travelled * sin(r->direction);
+    to_row[RECORD_WAY] = to->before + to->travelled;
+    for (int k = X; k <= Y; ++k) {
+        double rod = to->start[k] + to->travelled * ahead[k];
+        to_row[RECORD_ROD + k] = rod;
+        to_row[RECORD_PLACE + k] = rod - held * normal[k] - point[k];
+        to_row[RECORD_TOUCH + k] = rod - touched * normal[k];
+        to_row[RECORD_FORCE + k] = force[k];
+    }
     to_row[RECORD_THETA] = row[THETA];
-    to_row[RECORD_COORDINATE] = row[COORDINATE];
     to_row[RECORD_PIECE] = m->piece;
     to_row[RECORD_MODE] = m->mode;
     to_row[RECORD_COMPRESSION] = report[NORMAL_FORCE];
     to_row[RECORD_TANGENTIAL] = report[TANGENTIAL_FORCE];
     to_row[RECORD_RESIDUAL] = fabs(report[RESIDUAL]);
-    to_row[RECORD_POINT + X] = f[FRAME_X];
-    to_row[RECORD_POINT + Y] = f[FRAME_Y];
-    to_row[RECORD_NORMAL + X] = f[FRAME_COSINE];
-    to_row[RECORD_NORMAL + Y] = f[FRAME_SINE];
     return 1;
 }
 

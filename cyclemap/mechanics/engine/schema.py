@@ -153,14 +153,13 @@ OUTPUT = Columns("OUTPUTS", "OUTPUT_", "pushed:3 ended:3 way")
 RESULT = Columns(
     "RESULT_COLUMNS", "RESULT_", f"status has_left is_ambiguous travel {OUTPUT.entries}"
 )
-# The course of a task: number of the stroke (0: the push), travel, the rod's place, state, piece,
-# mode, both forces, residual of the balance; point and outward normal of the contact in the
-# object's frame.
+# The course of a task: number of the stroke (0: the push), the rod's way in the push or in the drag,
+# the rod's place, the object's place and orientation, piece and mode; place of contact (of two, the
+# first) and the rod's force, world frame; both forces at the contact, residual of the balance.
 RECORD = Columns(
     "RECORD_COLUMNS",
     "RECORD_",
-    f"stroke travel rod:2 {STATE.entries} piece mode compression tangential residual "
-    "point:2 normal:2",
+    "stroke way rod:2 place:2 theta piece mode touch:2 force:2 compression tangential residual",
 )
 
 # load: of each part, which add to one but for those without a load of their own. middle: centroid
@@ -172,40 +171,27 @@ RECORD = Columns(
 # place, by how much, and up to which distance from the world's origin (else 0).
 PRESSURE = Structure(
     "Pressure",
-    (
-        *(("load", "number", len(PARTS)), ("middle", "number", 2), ("far", "number", 0)),
-        *(("first_row", "whole", len(PARTS) + 1), ("first_node", "whole", len(PARTS) + 1)),
-        *(("rows", "table", 0), ("nodes", "table", 0), ("plate", "number", SHAPE.size)),
-        *(("floor", "number", SHAPE.size), ("centre", "number", 2), ("side_count", "whole", 0)),
-        *(
-            ("reach", "number", 0),
-            ("table_count", "whole", 0),
-            ("outline", "table", 0),
-            ("table", "table", 0),
-            ("field", "number", SHAPE.size * FIELD.size),
-            ("field_reach", "number", 0),
-        ),
-    ),
+    f"load:{len(PARTS)} middle:2 far plate:{SHAPE.size} floor:{SHAPE.size} centre:2 reach "
+    f"field:{SHAPE.size * FIELD.size} field_reach",
+    f"first_row:{len(PARTS) + 1} first_node:{len(PARTS) + 1} side_count table_count",
+    "rows nodes outline table",
 )
 # What is pushed with what: shared by many strokes, and never written. pieces: of the contact curve,
 # the ring last.
 OBJECT = Structure(
     "Object",
-    (
-        *(("pressure", PRESSURE, 0), ("friction", "number", LAW.size)),
-        *(("radius", "number", 0), ("tolerance", "number", 0)),
-        *(("pieces", "table", 0), ("piece_count", "whole", 0)),
-    ),
+    f"friction:{LAW.size} radius tolerance",
+    "piece_count",
+    "pieces",
+    (("pressure", PRESSURE),),
 )
 # What is done again and again with one object: a push from where the rod first touches
 # (by_fraction: the derivative of that by the fraction), in a direction as seen from the object or
 # from the world; length 0: none; then a drag to goals.
 LOOP = Structure(
     "Loop",
-    (
-        *(("object", OBJECT, 0), ("start_piece", "whole", 0), ("start_coordinate", "number", 0)),
-        *(("by_fraction", "number", 0), ("direction", "number", 0), ("length", "number", 0)),
-        *(("rod_friction", "number", 0), ("pin_friction", "number", 0)),
-        *(("with_object", "whole", 0), ("goal_count", "whole", 0), ("goals", "table", 0)),
-    ),
+    "start_coordinate by_fraction direction length rod_friction pin_friction",
+    "start_piece with_object goal_count",
+    "goals",
+    (("object", OBJECT),),
 )

@@ -18,7 +18,7 @@ from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import ContactCurve, CornerPiece, SidePiece
 from cyclemap.mechanics.engine.library import load
-from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, Ground
+from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, loads_of
 from cyclemap.mechanics.engine.schema import (
     BALANCE,
     FRICTION,
@@ -67,11 +67,12 @@ def pressure_tables(footprint: Footprint) -> PressureTables:
     """Return the tables of a footprint; InvalidInput where its load cannot be balanced."""
     if isinstance(footprint, PressedFootprint):
         return _foundation_tables(footprint)
-    ground = Ground(footprint)
-    rows, nodes = [part.rows(ground) for part in PARTS], [part.nodes(ground) for part in PARTS]
+    loads, names = loads_of(footprint), [part.name for part in PARTS]
+    rows = [loads.rows.get(name, np.zeros((0, ROW.size))) for name in names]
+    nodes = [loads.nodes.get(name, np.zeros((0, NODE.size))) for name in names]
     record = np.zeros(1, PRESSURE.dtype)[0]
-    record["load"] = [part.load(ground) for part in PARTS]
-    record["middle"], record["far"] = ground.middle, ground.far
+    record["load"] = [loads.shares.get(name, 0.0) for name in names]
+    record["middle"], record["far"] = loads.middle, loads.far
     record["first_row"], record["first_node"] = (
         np.cumsum([0, *map(len, tables)]) for tables in (rows, nodes)
     )
@@ -289,17 +290,13 @@ def _packed(strokes: Sequence[Strokes]) -> tuple[NDArray[np.void], list[Array]]:
     for index, each in enumerate(strokes):
         goals = np.array(each.goals, dtype=float).reshape(-1, 2)
         held += [each.pieces, goals]
-        pieces = _address(each.pieces), len(each.pieces) - 1
+        law = each.friction, each.radius, each.tolerance
+        pieces = len(each.pieces) - 1, _address(each.pieces)
+        start = each.start_coordinate, each.by_fraction, each.direction, each.length
         loops[index] = (
-            (_addressed(each.pressure), each.friction, each.radius, each.tolerance, *pieces),
-            *(
-                each.start_piece,
-                each.start_coordinate,
-                each.by_fraction,
-                each.direction,
-                each.length,
-            ),
-            *(each.rod_friction, each.pin_friction, each.with_object, len(goals), _address(goals)),
+            (_addressed(each.pressure), *law, *pieces),
+            *(*start, each.rod_friction, each.pin_friction),
+            *(each.start_piece, each.with_object, len(goals), _address(goals)),
         )
     return loops, held
 

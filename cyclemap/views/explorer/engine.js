@@ -74,8 +74,7 @@ class Engine {
     if (refused) return refused;
     const ellipse = [along, across, m0, n0].map((friction) => friction / scale);
     this.put("object.friction", [...ellipse, values.phi_deg * RADIAN, ...tables.centre]);
-    this.radius = values.pusher_radius_mm * mm;
-    this.put("object.radius", this.radius);
+    this.put("object.radius", values.pusher_radius_mm * mm);
     this.put("object.tolerance", tables.step_share * accuracy);
     const { size, geometry } = tables.columns.piece;
     this.hitch = [values.hitch_x_mm * mm, values.hitch_y_mm * mm];
@@ -204,20 +203,11 @@ class Engine {
     const longest = this.view.getFloat64(at.loop + this.tables.layout.fields.length[0], true) / frames;
     const count = Number(this.library.cm_record(at.loop, at.tasks, longest, at.rows, BigInt(MOST_ROWS)));
     const strokes = [[], []];
-    let way = 0, before = 0, stroke = 0;
     for (let row = 0; row < count; row += 1) {
       const of = (name, index = 0) => numbers[at.rows / 8 + record.size * row + record[name] + index];
-      const [c, s] = [Math.cos(of("theta")), Math.sin(of("theta"))];
-      const radius = this.tables.on_outline[of("mode")] ? this.radius : 0;
-      const own = [0, 1].map((axis) => of("point", axis) + radius * of("normal", axis));
-      const rod = [of("rod"), of("rod", 1)];
-      // Travel starts anew with every leg.
-      if (of("stroke") !== stroke) [way, before, stroke] = [stroke === 0 ? 0 : way, 0, of("stroke")];
-      way += of("travel") - before;
-      before = of("travel");
-      const place = [rod[0] - c * own[0] + s * own[1], rod[1] - s * own[0] - c * own[1]];
-      const [px, py, rx, ry] = [...place, ...rod].map((length) => 1e3 * this.tables.unit * length);
-      strokes[stroke === 0 ? 0 : 1].push([way, px, py, of("theta") / RADIAN, rx, ry]);
+      const places = [of("place"), of("place", 1), of("rod"), of("rod", 1)];
+      const [px, py, rx, ry] = places.map((length) => 1e3 * this.tables.unit * length);
+      strokes[of("stroke") === 0 ? 0 : 1].push([of("way"), px, py, of("theta") / RADIAN, rx, ry]);
     }
     return strokes.map((rows) => spread(rows, frames));
   }
