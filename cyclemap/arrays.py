@@ -74,10 +74,17 @@ def along_way(places: float | Array, way: Array, values: Array) -> Array:
     return np.stack([np.interp(places, way, column) for column in values.T], axis=-1)
 
 
+def turned(points: Array, angle: float | Array) -> Array:
+    """Return points (..., 2) turned about the origin by an angle (...), rad.
+
+    >>> turned(np.array([2.0, 0.0]), np.pi / 2).round(9).tolist()
+    [0.0, 2.0]
+    """
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+
+
 def placed(pose: Array, points: Array) -> Array:
-    """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
-    cosine = np.cos(pose[2])
-    sine = np.sin(pose[2])
-    x = points[..., 0]
-    y = points[..., 1]
-    return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)
+    """Return `points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
+    return np.stack([pose[0], pose[1]], axis=-1) + turned(points, pose[2])

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import TWO_PI, Array, placed
+from cyclemap.arrays import TWO_PI, Array, placed, turned
 from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
@@ -123,8 +123,7 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
         _path(axes, drag, colour, (0, (4, 2)), f"drag back {index}")
         tip = MM * push.pusher[0]
         # The touched side's inward normal is -y in the object's frame.
-        turned = np.array([0.0, 0.0, cycle.theta + result.loop.push.angle])
-        way = placed(turned, np.array([0.0, -1.0]))
+        way = turned(np.array([0.0, -1.0]), cycle.theta + result.loop.push.angle)
         corners.append(tip - (_ARROW + _WORDS) * way)
         arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
         words = f"push {index}, from\nθ₀{raised} = {angle(cycle.theta, 0)}"

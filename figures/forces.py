@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import TWO_PI, Array, Mask, placed
+from cyclemap.arrays import TWO_PI, Array, Mask, turned
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.identification.force_blocks import (
     SLIDING,
@@ -125,7 +125,7 @@ def _draw_law(axes: Axes) -> None:
     traction, centre = law.traction(velocity), _centre(law)
     axes.fill(*limit_curve(law).T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
     for reach, turn, name in ((law.mu_a, 0.0, "m"), (law.mu_b, 0.5 * math.pi, "n")):
-        axis = _turned(np.array([reach, 0.0]), law.phi + turn)
+        axis = turned(np.array([reach, 0.0]), law.phi + turn)
         ends = np.stack([centre - axis, centre + axis])
         axes.plot(*ends.T, color=QUIET, linewidth=0.9, linestyle="--")
         x, y = (centre + (1.0 + 0.03 / reach) * axis).tolist()
@@ -186,7 +186,7 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
 
 
 def _centre(law: EllipseFriction) -> Array:
-    return _turned(np.array([law.m0, law.n0]), law.phi)
+    return turned(np.array([law.m0, law.n0]), law.phi)
 
 
 def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
@@ -195,10 +195,6 @@ def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
         aspect="equal", xlabel="traction coefficient along x", ylabel="traction coefficient along y"
     )
     entitle(axes, title)
-
-
-def _turned(vector: Array, angle: float) -> Array:
-    return placed(np.array([0.0, 0.0, angle]), vector)
 
 
 def limit_caption(result: LimitEllipseAndPatch) -> str:
@@ -274,14 +270,14 @@ def patch_forces(loop: CollectionLoop) -> PatchForces:
     slope = (course.pose[at + 1] - course.pose[at - 1]) / (
         course.path[at + 1] - course.path[at - 1]
     )
-    twist = np.array([*_turned(slope[:2], -pose[2]), slope[2]])
+    twist = np.array([*turned(slope[:2], -pose[2]), slope[2]])
     points, weights = footprint.quadrature
     velocity = twist[:2] + twist[2] * np.stack([-points[:, 1], points[:, 0]], axis=-1)
     friction, load = loop.material.friction, gridded.model.weight
     force = -load * weights[:, None] * friction.traction(velocity, pose[2])
     wrench = np.array([*force.sum(axis=0), _torque(points, force).sum()])
-    contact = _turned(course.contact_point[at] - pose[:2], -pose[2])
-    push = _turned(course.contact_force[at], -pose[2])
+    contact = turned(course.contact_point[at] - pose[:2], -pose[2])
+    push = turned(course.contact_force[at], -pose[2])
     rod = np.array([*push, float(_torque(contact, push))])
     outline = loop.slider.outline.points(4)
     return PatchForces(footprint, twist, force, wrench, rod, contact, outline)

@@ -100,10 +100,8 @@ def loop_family(
         *(chebyshev_nodes(*ends, n) for ends, n in zip(ranges, nodes, strict=True)), indexing="ij"
     )
     theta = TWO_PI * np.arange(angles) / angles
-    loops = [
-        loop_at(*place) for place in zip(*(axis.ravel().tolist() for axis in grid), strict=True)
-    ]
-    turns = np.array([loop.next_theta(theta) - theta for loop in loops])
+    places = np.reshape(grid, (len(nodes), -1)).T.tolist()
+    turns = np.array([loop_at(*place).next_theta(theta) - theta for place in places])
     series = np.fft.rfft(turns, axis=-1) / angles
     # Each wave but the mean and, for an even count, the fastest stands for two of the transform's.
     series[:, 1 : (angles + 1) // 2] *= 2.0

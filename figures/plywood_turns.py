@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from cyclemap.arrays import TWO_PI, Array, placed
+from cyclemap.arrays import TWO_PI, Array, turned
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import isotropic_twin, worn_loop
@@ -286,7 +286,7 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
     nan outside the plate."""
     places = reach * (2.0 * (np.arange(_PIXELS) + 0.5) / _PIXELS - 1.0)
     world = np.stack(np.meshgrid(places, places), axis=-1)
-    own = placed(np.array([0.0, 0.0, -theta]), world)
+    own = turned(world, -theta)
     inside = footprint.outline.contains(own.reshape(-1, 2)).reshape(own.shape[:-1])
     return np.where(inside, resting_pressure(footprint, theta, own), np.nan)
 
@@ -331,8 +331,7 @@ def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, theta: float
         extent=(-reach, reach, -reach, reach),
         zorder=1,
     )
-    corners = placed(np.array([0.0, 0.0, theta]), result.outline)
-    draw_object(axes, corners, facecolor="none", edgecolor=INK)
+    draw_object(axes, turned(result.outline, theta), facecolor="none", edgecolor=INK)
     axes.grid(visible=False)
     axes.set(aspect="equal", xlabel="robot's x (mm)", ylabel="robot's y (mm)")
     axes.set_title(f"rests at θ = {angle(theta, 0)}")

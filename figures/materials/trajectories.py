@@ -20,9 +20,9 @@ from cyclemap.arrays import (
     Array,
     along_way,
     evenly_spread,
-    placed,
     shorter_way,
     stretches,
+    turned,
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
@@ -92,9 +92,7 @@ class PushedPaths:
     @property
     def object_frame(self) -> Array:
         """Paths (k, m, 2) in the object's frame before the push, m."""
-        back = np.zeros((3, len(self.poses), 1))
-        back[2, :, 0] = -self.theta0
-        return placed(back, self.robot_frame - self.robot_frame[:, :1])
+        return turned(self.robot_frame - self.robot_frame[:, :1], -self.theta0[:, None])
 
     @property
     def spread(self) -> Array:
