@@ -23,6 +23,15 @@ def shorter_way(angle: npt.ArrayLike) -> Array:
     return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)
 
 
+def even_angles(count: int) -> Array:
+    """Return so many angles, radians, evenly spread over the circle from 0.
+
+    >>> (even_angles(4) / np.pi).tolist()
+    [0.0, 0.5, 1.0, 1.5]
+    """
+    return np.asarray(TWO_PI * np.arange(count) / count)
+
+
 def nodes_around(theta: Array, count: int) -> tuple[Whole, Whole, Array]:
     """Return the nodes before and after angles, radians, any shape, of so many that are evenly
     spread over the circle from 0, and the share of the way from the one to the other.

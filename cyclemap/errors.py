@@ -1,9 +1,10 @@
-"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, and that of
-unknown names.
+"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, that of
+unknown names, and where a bad value stands.
 """
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class CycleMapError(Exception):
@@ -108,3 +109,21 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> InvalidInput:
     close = difflib.get_close_matches(name, names, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return InvalidInput(f"unknown {kind} {name!r}: {hint}Known: {', '.join(names)}")
+
+
+@contextmanager
+def located(place: str, kind: type[InvalidInput] = InvalidInput) -> Iterator[None]:
+    """Say `place` before what is said of a bad value; raise it as `kind`.
+
+    >>> with located("length_mm = -5"):
+    ...     raise InvalidInput("must be positive")
+    Traceback (most recent call last):
+    ...
+    cyclemap.errors.InvalidInput: length_mm = -5: must be positive
+    """
+    try:
+        yield
+    except DataFileError:
+        raise
+    except InvalidInput as error:
+        raise kind(f"{place}: {error}") from error

@@ -1,6 +1,7 @@
 """Text from outside: how it is shown, and which of it is a number."""
 
 import json
+import math
 import re
 import unicodedata
 
@@ -64,6 +65,15 @@ def plain_number(text: str) -> float:
     if not _NUMBER.fullmatch(text.strip()):
         raise ValueError(f"{text!r} is not a number in plain digits")
     return float(text)
+
+
+def number_or_nan(text: str) -> float:
+    """Return the number that `text` says in plain digits, nan where it says none.
+
+    >>> number_or_nan("0.5"), number_or_nan("half")
+    (0.5, nan)
+    """
+    return float(text) if _NUMBER.fullmatch(text.strip()) else math.nan
 
 
 def plain_whole(text: str) -> int:

@@ -21,7 +21,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
-from cyclemap.plain_text import json_value, plain_number
+from cyclemap.plain_text import json_value, number_or_nan
 
 # Bytes that a file, or its tables as doubles, may hold: thirty times the longest push. Lists of
 # Python's own numbers take thirty times as much memory, so that all readers stay under a gigabyte.
@@ -59,10 +59,7 @@ class CsvTable:
     def number(self, row: CsvRow, column: str) -> float:
         """The field of `row` in `column` as a finite number; DataFileError otherwise."""
         text = self.text(row, column)
-        try:
-            value = plain_number(text)
-        except ValueError:
-            value = math.nan
+        value = number_or_nan(text)
         if not math.isfinite(value):
             raise self.error(
                 row.line, f"{column} is '{text}'; it must be a finite number in plain digits"

@@ -42,6 +42,7 @@ from cyclemap.views.panels.layout import entitle, legend_above, page, rows_of
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     PER_DEGREE,
+    SEEN_BARS,
     draw_histogram,
     draw_medians,
     draw_pace,
@@ -223,8 +224,8 @@ def _draw_turn(axes: Axes, case: Bottleneck) -> None:
 
 
 def _draw_directions(axes: Axes, case: Bottleneck) -> None:
-    look = BAND if case.bins is None else BARS
-    draw_histogram(axes, angle_histogram(case.path), _seen(case), fill=True, **look)
+    look = {**BAND, "label": "sampled"} if case.bins is None else SEEN_BARS
+    draw_histogram(axes, angle_histogram(case.path), {**look, "fill": True})
     axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **LINE)
     theta, pace = _parabola(case)
     share = PER_DEGREE * float(case.prediction.mean_turn) / (TWO_PI * pace)

@@ -52,7 +52,6 @@ TABLE_COLOUR = "#faf6ee"
 # Colours of the one palette that all frames share: a palette of its own a frame would flicker and
 # take space.
 COLOURS = 64
-_ALL_BUT_WHITE = 14.0
 # Frames from which the palette is taken.
 _SAMPLED = 8
 
@@ -252,11 +251,8 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
     given = list(frames)
     pixels = [frame.pixels for frame in given]
     sample = np.concatenate(pixels[:: max(1, len(pixels) // _SAMPLED)])
-    palette = Image.fromarray(sample).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
-    colours = np.array(palette.getpalette(), dtype=float).reshape(-1, 3)
-    # The commonest colours are means of a few; what is all but white must stay white.
-    colours[np.abs(colours - 255.0).sum(axis=1) < _ALL_BUT_WHITE] = 255.0
-    palette.putpalette(colours.astype(np.uint8).ravel().tolist())
+    # Of the methods the one that keeps white white.
+    palette = Image.fromarray(sample).quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE)
     pictures = [
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in pixels

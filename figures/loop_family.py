@@ -14,9 +14,9 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import non_negative_number, positive_number
+from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import Anisotropy
+from cyclemap.collection.loop_surfaces import Anisotropy, with_anisotropy
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, ParametricLift
 from cyclemap.sweeps.direction_margins import smooth_change
@@ -152,23 +152,13 @@ def with_ring_at(loop: CollectionLoop, radius: float) -> CollectionLoop:
 
 
 def with_anisotropy_times(loop: CollectionLoop, scale: float) -> CollectionLoop:
-    """Return the loop on its surface with offset and ellipticity times `scale`: 0 isotropic, 1 as
-    it is.
-
-    Offset and ellipticity are those of `Anisotropy`; the mean radius of the ellipse stays. The
-    result does not wear.
+    """Return the loop on a surface with its offset and ellipticity times `scale`: 0 isotropic, 1 as
+    it is. The result does not wear.
 
     >>> with_anisotropy_times(CollectionLoop.mit(), 0.0).material.friction.m0
     0.0
     """
-    law = loop.material.friction
-    mean = math.sqrt(law.mu_a * law.mu_b)
-    scaled = (
-        Anisotropy.of(law)
-        .scaled(non_negative_number("scale of the anisotropy", scale))
-        .friction(mean)
-    )
-    return replace(loop, material=replace(loop.material, friction=scaled, wear=None))
+    return with_anisotropy(loop, Anisotropy.of(loop.material.friction).scaled(scale))
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,11 @@ from matplotlib.image import AxesImage
 from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import worn_loop
+from cyclemap.collection.loop_surfaces import isotropic_twin, worn_loop
 from cyclemap.evidence.laws.turn_bins import MeasuredOverlay, TurnBins, measured_overlay, turn_bins
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
-    EllipseFriction,
     PressedFootprint,
     SurfaceShape,
     grid_footprint,
@@ -38,6 +37,7 @@ from cyclemap.views.panels.orientation import (
 )
 from cyclemap.views.panels.scene import MM, draw_object
 from cyclemap.views.panels.style import (
+    DOTS,
     FORCE,
     FOURTH,
     INK,
@@ -159,7 +159,8 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes
-        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), label="recorded pushes")
+        look = {**DOTS, "label": "recorded pushes"}
+        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), look)
     degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
     entitle(push, "Push")
@@ -251,10 +252,7 @@ def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
     """Run cycles from `angles` orientations on each floor, and look for measured ones."""
     theta = TWO_PI * np.arange(angles) / angles
     plywood = CollectionLoop.mit(SURFACE, accuracy=_ACCURACY)
-    law = EllipseFriction.isotropic(
-        math.sqrt(plywood.material.friction.mu_a * plywood.material.friction.mu_b)
-    )
-    even = replace(plywood, material=replace(plywood.material, friction=law))
+    even = isotropic_twin(plywood)
     footprint = PressedFootprint(even.slider.outline, floor=TROUGH)
     loops = {
         "friction alike all around, flat floor": even,
@@ -287,13 +285,10 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
     """Pressures over a square about the plate's centre in the world's axes;
     nan outside the plate."""
     places = reach * (2.0 * (np.arange(_PIXELS) + 0.5) / _PIXELS - 1.0)
-    x, y = np.meshgrid(places, places)
-    c, s = math.cos(theta), math.sin(theta)
-    own = np.stack([c * x + s * y, c * y - s * x], axis=-1)
-    pressure = resting_pressure(footprint, theta, own)
-    return np.where(
-        footprint.outline.contains(own.reshape(-1, 2)).reshape(x.shape), pressure, np.nan
-    )
+    world = np.stack(np.meshgrid(places, places), axis=-1)
+    own = placed(np.array([0.0, 0.0, -theta]), world)
+    inside = footprint.outline.contains(own.reshape(-1, 2)).reshape(own.shape[:-1])
+    return np.where(inside, resting_pressure(footprint, theta, own), np.nan)
 
 
 @picture_style()

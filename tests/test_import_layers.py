@@ -30,7 +30,7 @@ RANK = {name: rank for rank, names in enumerate(ROOMS, 2) for name in names.spli
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
 SMALL = (
     "arrays errors lazy_names one_thread plain_text progress written",
-    "checks file_text inline_svg text_files",
+    "checks inline_svg text_files",
 )
 SHARED = {name: rank for rank, names in enumerate(SMALL) for name in names.split()}
 DOORS = {"__init__": 10, "__main__": 10}

@@ -1,4 +1,6 @@
-"""The commands: what each is called, says of itself and takes; what it does is run_NAME of its file."""
+"""The commands: what each is called, says of itself and takes; what it does is run_NAME of its
+file.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +13,7 @@ from click import Choice
 
 from cyclemap.cli.options import (
     MOST_CYCLES,
+    QUIET,
     LoopOptions,
     ProtocolOptions,
     RealRange,
@@ -24,7 +27,6 @@ from cyclemap.cli.options import (
     option,
     out_option,
     parameters,
-    quiet_option,
     seed_option,
     select_option,
     settings_option,
@@ -79,7 +81,7 @@ def command(file: str) -> Callable[[type[Asked]], type[Asked]]:
             module = import_module(f"cyclemap.cli.{file}")
             getattr(module, f"run_{name}")(filled(asked, given))
 
-        taken = [*parameters(asked), quiet_option()]
+        taken = [*parameters(asked), QUIET]
         cli.add_command(click.Command(name, params=taken, callback=work, help=kind.__doc__))
         return kind
 

@@ -15,7 +15,7 @@ import click
 from click.shell_completion import shell_complete
 
 from cyclemap.cli.commands import cli as cli
-from cyclemap.cli.options import one_line, told_warnings
+from cyclemap.cli.options import one_line, shown_warnings
 from cyclemap.errors import CycleMapError, InvalidInput
 
 # Pictures go to files: no screen that the user's own drawing wants, be it there or not.
@@ -54,7 +54,7 @@ def run(arguments: Sequence[str]) -> int:
         # A terminal that cannot show θ gets a replacement sign, not a traceback.
         if hasattr(sys.stdout, "reconfigure"):
             sys.stdout.reconfigure(errors="replace")
-        with told_warnings(), cli.make_context("cyclemap", list(arguments)) as context:
+        with shown_warnings(), cli.make_context("cyclemap", list(arguments)) as context:
             cli.invoke(context)
         sys.stdout.flush()
     except click.exceptions.Exit as end:

@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from cyclemap.errors import DoubtfulInput, InvalidInput
-from cyclemap.plain_text import plain_number, plain_whole, printable
+from cyclemap.plain_text import key_and_value, plain_number, plain_whole, printable
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from cyclemap.arrays import Array
     from cyclemap.protocol.chosen_loop import ChosenCollection
 
-_QUIET = "cyclemap.quiet"
 _ONE_MATERIAL = "give one material: a name or a TOML file, as MATERIAL or with --material"
 # Longer runs fill memory before they tell more.
 MOST_CYCLES = 1_000_000
@@ -232,12 +231,8 @@ class TableOptions:
     def named_columns(self) -> dict[str, str]:
         """Columns by what they are; InvalidInput where that cannot be read."""
         named = {}
-        for pair in filter(str.strip, (self.columns or "").split(",")):
-            name, _, column = (word.strip() for word in pair.partition("="))
-            if not (name and column):
-                raise InvalidInput(
-                    f"--columns {self.columns}: give it as theta0=yaw,theta_next=yaw_after"
-                )
+        for pair in words_of(self.columns or ""):
+            name, column = key_and_value("--columns", pair, "theta0=yaw,theta_next=yaw_after")
             named[name] = column
         return named
 
@@ -273,10 +268,15 @@ class RunOptions:
         """Length, start and seed of the run: those of a measured path (rad), unless told
         otherwise.
         """
-        from cyclemap.collection.portrait import DEFAULT_CYCLES
-
-        length, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
+        length, start = length_and_start(path)
         return {"cycles": self.cycles or length, "start": start, "seed": self.seed}
+
+
+def length_and_start(path: "Array | None") -> tuple[int, float]:
+    """Cycles, and θ0 (rad), of a run beside a measured path (rad), or of one alone."""
+    from cyclemap.collection.portrait import DEFAULT_CYCLES
+
+    return (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
 
 
 def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
@@ -289,7 +289,7 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
     for parameter in context.command.params:
         name = str(parameter.name)
         is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if not is_said or name in left_out or name not in context.params:
+        if not is_said or name in (*left_out, "quiet"):
             continue
         given = context.params[name]
         option = parameter.opts[:1]
@@ -328,20 +328,14 @@ def words_of(text: str) -> list[str]:
     return [word.strip() for word in text.split(",") if word.strip()]
 
 
-def quiet_option() -> click.Option:
-    """The option of every command that leaves its words and its progress unsaid; see `is_quiet`."""
-
-    def keep(context: click.Context, _: click.Parameter, value: bool) -> None:
-        context.meta[_QUIET] = value
-
-    words = "Say nothing but errors, warnings and --json."
-    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=words)
+# Of every command: it leaves words and progress unsaid.
+QUIET = click.Option(["--quiet"], is_flag=True, help="Say nothing but errors, warnings and --json.")
 
 
 def is_quiet() -> bool:
     """Whether the command that runs was given --quiet."""
     context = click.get_current_context(silent=True)
-    return context is not None and bool(context.meta.get(_QUIET))
+    return context is not None and bool(context.params.get("quiet"))
 
 
 # Letters of a line: what repeats its input may go on for ever.
@@ -363,7 +357,7 @@ def warnings_so_far() -> list[str]:
 
 
 @contextmanager
-def told_warnings() -> Iterator[None]:
+def shown_warnings() -> Iterator[None]:
     """Tell each doubt about the input once, as long as the block lasts."""
     _doubts.clear()
 

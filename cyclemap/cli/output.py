@@ -1,5 +1,5 @@
 """Where results go: files that appear whole or not at all, the terminal of people, and a bar for
-slow work.
+slow work; and what several commands report of the same things.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -18,17 +18,30 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem as file_stem, write_whole
-from cyclemap.written import Json
+from cyclemap.written import (
+    MILLIMETRES,
+    Json,
+    degrees,
+    direction_deg,
+    json_of,
+    json_text,
+    rows,
+    written,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cyclemap.collection.loop import CollectionLoop
+    from cyclemap.collection.uncertain_directions import DirectionUncertainty
+    from cyclemap.evidence import MeasuredStaircase
+    from cyclemap.maps import Orbit, StepComparison, Steps
+    from cyclemap.mechanics import SidePush
+    from cyclemap.resets import ResetStrategy
 
 # What people are told: sentences and tables.
 Told = str | Text | Table
@@ -42,9 +55,9 @@ _WIDE = 120
 _WORDS = 32
 
 
-def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None = None) -> Path:
-    """Return where results of a kind about a loop go, without an ending: named by its surface, and
-    by its object.
+def result_name(kind: str, loop: CollectionLoop, surface: str | None = None) -> str:
+    """Return the name of results of a kind about a loop, without an ending: by its surface, and by
+    its object.
 
     MIT's square, which the paper is about, goes unsaid.
     surface : in place of the material's name.
@@ -53,7 +66,7 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     >>> from cyclemap.mechanics import Slider
     >>> for shape in ("rect1", "hex"):
     ...     loop = CollectionLoop.mit("pu", slider=Slider.mit(shape))
-    ...     print(result_stem(Path(), "portrait", loop))
+    ...     print(result_name("portrait", loop))
     portrait_pu
     portrait_hex_on_pu
     """
@@ -63,19 +76,23 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     square = Slider.mit("rect1")
     where = file_stem(loop.material.name if surface is None else surface)
     is_square = (name, loop.slider.outline) == (square.name, square.outline)
-    return out / (f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}")
+    return f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}"
 
 
 def write_json(path: Path, report: Json) -> None:
     """Write `report` as JSON to the file `path`."""
+    write_whole(path, _json_bytes(report))
+
+
+def _json_bytes(report: Json) -> bytes:
     # A path need not be text; JSON has a way to write what is none.
-    write_whole(path, json_text(_with_doubts(report)).encode(errors="backslashreplace"))
+    return _with_doubts(report).encode(errors="backslashreplace")
 
 
-def _with_doubts(report: Json) -> Json:
-    """The report, and what was doubted of the input, if anything was."""
+def _with_doubts(report: Json) -> str:
+    """The text of a report, and what was doubted of the input, if anything was."""
     doubts = warnings_so_far()
-    return {**report, "warnings": doubts} if doubts else report
+    return json_text({**report, "warnings": doubts} if doubts else report)
 
 
 def publish_json(report: Json, target: str | None) -> bool:
@@ -83,7 +100,7 @@ def publish_json(report: Json, target: str | None) -> bool:
     else.
     """
     if target == "-":
-        click.echo(json_text(_with_doubts(report)), nl=False)
+        click.echo(_with_doubts(report), nl=False)
         return True
     if target is not None:
         write_json(Path(target), report)
@@ -93,36 +110,45 @@ def publish_json(report: Json, target: str | None) -> bool:
 def publish(
     report: Json,
     figure: Figure,
-    stem: Path,
     results: ResultOptions,
+    name: str,
     *words: Told,
     after: Sequence[str] = (),
+    beside: Mapping[Path, bytes] | None = None,
 ) -> None:
-    """Write stem.json and the picture beside it, and send the report where --json says; unless it
-    took the terminal, tell people the rest, where the picture is, and what comes after that.
+    """Write NAME.json, the picture and files beside it, and send the report where --json says;
+    unless it took the terminal, tell people the rest, where the picture is, and what comes after
+    that.
     """
-    picture = write_result(report, figure, stem, results.format)
+    picture = write_result(report, figure, results, name, beside)
     if not publish_json(report, results.json):
         PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
 
-def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
-    """Write stem.json and the picture beside it, and return the picture's path."""
+def write_result(
+    report: Json,
+    figure: Figure,
+    results: ResultOptions,
+    name: str,
+    beside: Mapping[Path, bytes] | None = None,
+) -> Path:
+    """Write NAME.json, the picture and files beside it, and return the picture's path."""
     from cyclemap.views.panels.layout import render
 
-    write_json(stem.with_name(f"{stem.name}.json"), report)
-    picture = stem.with_name(f"{stem.name}.{picture_format}")
-    write_whole(picture, render(figure, picture_format))
+    picture = results.out / f"{name}.{results.format}"
+    # All of the content is made before the first file is written.
+    files = {**(beside or {}), results.out / f"{name}.json": _json_bytes(report)}
+    files[picture] = render(figure, results.format)
+    for path, content in files.items():
+        write_whole(path, content)
     return picture
 
 
-def write_page(page: str, stem: Path) -> Path:
-    """Write a page as stem.html, tell people where, and return that."""
-    place = stem.with_name(f"{stem.name}.html")
+def write_page(page: str, place: Path) -> None:
+    """Write a page, and tell people where."""
     content = page.encode()
     write_whole(place, content)
     click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")
-    return place
 
 
 def styled(text: str, style: str) -> Text:
@@ -249,3 +275,110 @@ class PeopleConsole(Console):
         self.width = max(before, needed)
         self.print(table)
         self.width = before
+
+
+# -- what several commands report
+
+
+def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
+    """The strategy's actions, filled in by their loop, with their shares of the cycles."""
+    from cyclemap.views.reset_page import action_words
+
+    return [
+        {
+            "name": action_words(action),
+            "weight": written(share),
+            **push_report(acted.push),
+            "way_points_mm": [[*map(millimetres, place)] for place in acted.reset.way_points],
+            "gripper_turn_deg": degrees(action.turn),
+        }
+        for action, acted, share in zip(
+            strategy.actions, strategy.loops(loop), strategy.shares, strict=True
+        )
+    ]
+
+
+def push_report(push: SidePush) -> Json:
+    """How the rod pushes."""
+    return {
+        **json_of(push, "side", "fraction"),
+        "angle_deg": degrees(push.angle),
+        "push_mm": millimetres(push.distance),
+    }
+
+
+def orbit_report(orbit: Orbit) -> Json:
+    """Where a fixed point is, and whether it is stable."""
+    return {
+        "theta_deg": direction_deg(float(orbit.points[0])),
+        **json_of(orbit, "multiplier", "stable"),
+    }
+
+
+def uncertainty_report(known: DirectionUncertainty) -> Json:
+    """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares
+    are no chances.
+    """
+    return {
+        **json_of(known, "source", "method", "first_order_error", "samples", "locks"),
+        "chance_of_lock_in": known.chance if known.is_posterior else None,
+        **json_of(known, "directions"),
+    }
+
+
+def steps_report(steps: Steps) -> Json:
+    """The dwells and steps of a path."""
+    return {
+        **json_of(steps, "cycles", "climb"),
+        "steps": steps.count,
+        "heights_deg": degrees(steps.heights),
+        "dwells": rows(
+            first_cycle=steps.start,
+            cycles=steps.lengths,
+            level_deg=degrees(steps.levels),
+            censored=steps.censored,
+        ),
+    }
+
+
+def measured_report(measured: MeasuredStaircase) -> Json:
+    """A measured staircase, and what the map fitted to it predicts."""
+    report = steps_report(measured.steps)
+    foretold = measured.foretold
+    if foretold is None:
+        return {**report, "fitted": None, "problem": measured.problem, "comparison": None}
+    return {
+        **report,
+        "fitted": {
+            "harmonics": foretold.fitted.law.harmonics,
+            "pairs": foretold.fitted.pairs,
+            "noise_deg": degrees(foretold.fitted.sigma),
+            **json_of(foretold.prediction),
+        },
+        "problem": None,
+        "comparison": comparison_report(foretold.comparison),
+    }
+
+
+def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
+    """Steps and visits measured beside those predicted; of visits also their standard errors where
+    asked for.
+    """
+    means = ("mean", "standard_error") if errors else ("mean",)
+    visits = [
+        {
+            **json_of(visit.zone, "centre"),
+            **json_of(visit, "exits", *means, "predicted", "mean_p_value"),
+        }
+        for visit in comparison.visits
+    ]
+    return {**json_of(comparison, "net_steps", "expected_steps", "pace_p_value"), "visits": visits}
+
+
+def millimetres(metres: float) -> float:
+    """Return a length that was set in millimetres, in the digits it was set in.
+
+    >>> millimetres(0.01378)
+    13.78
+    """
+    return float(MILLIMETRES.written(metres))

@@ -9,14 +9,14 @@ from dataclasses import replace
 from typing import Any
 
 from cyclemap.cli.commands import CycleOptions, DynamicsOptions, ExperimentOptions, SimulateOptions
-from cyclemap.cli.json_report import actions_report
 from cyclemap.cli.output import (
     PeopleConsole,
+    actions_report,
     people_table,
     progress_bar,
     publish,
     publish_json,
-    result_stem,
+    result_name,
     write_json,
 )
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
@@ -32,7 +32,7 @@ from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.views import experiment_page as page
 from cyclemap.views.experiment_page import difference_sentence, dynamics_page
@@ -80,8 +80,7 @@ def run_cycle(asked: CycleOptions) -> None:
         all_rows += [{**row, **more} for row in of_loop]
     report: Json = {"cycles": all_rows}
     if asked.out is not None:
-        stem = result_stem(asked.out, "cycles", chosen.loop)
-        write_json(stem.with_name(f"{stem.name}.json"), report)
+        write_json(asked.out / f"{result_name('cycles', chosen.loop)}.json", report)
     if not publish_json(report, asked.json):
         for table in tables:
             PeopleConsole().print_table(table)
@@ -124,10 +123,7 @@ def parse_angles(text: str) -> list[float]:
     """
     angles = []
     for word in map(str.strip, text.split(",")):
-        try:
-            value = plain_number(word)
-        except ValueError:
-            value = math.nan
+        value = number_or_nan(word)
         if not math.isfinite(value):
             raise InvalidInput(
                 f"--theta0-deg has {word!r}; give finite numbers with commas, such as 0,30,60"
@@ -178,8 +174,8 @@ def run_dynamics(asked: DynamicsOptions) -> None:
     publish(
         as_json,
         dynamics_page(material, isotropic),
-        result_stem(asked.results.out, "dynamics", chosen),
         asked.results,
+        result_name("dynamics", chosen),
         *words,
         table,
     )
@@ -218,8 +214,8 @@ def run_experiment(asked: ExperimentOptions) -> None:
     publish(
         as_json,
         page.experiment_page(experiment),
-        result_stem(asked.results.out, "experiment", loop),
         asked.results,
+        result_name("experiment", loop),
         page.experiment_headline(experiment),
         page.spread_sentence(experiment),
         page.isotropic_sentence(experiment),

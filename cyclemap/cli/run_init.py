@@ -2,6 +2,7 @@
 likely wrong with such a file.
 """
 
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Ellipse, Polygon, Slider
 from cyclemap.mechanics.outline import Outline
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import set_settings
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.protocol.outline_files import read_outline
@@ -23,8 +24,8 @@ from cyclemap.protocol.own_object import check_collection, first_settings, withi
 from cyclemap.protocol.setting_table import SETTINGS, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings
 from cyclemap.text_files import write_whole
-from cyclemap.views.object_page import object_page
 from cyclemap.views.panels.layout import render
+from cyclemap.views.push_pages import object_page
 from cyclemap.written import Json
 
 COMMENTS = (
@@ -123,11 +124,8 @@ def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
     if asked.shape:
         return Slider.mit(asked.shape).outline, []
     widths = asked.rectangle_mm or asked.ellipse_mm or ""
-    try:
-        lengths = [plain_number(word) for word in widths.split(",")]
-    except ValueError:
-        lengths = []
-    if len(lengths) != 2 or not 0.0 < min(lengths) <= max(lengths) < float("inf"):
+    lengths = [number_or_nan(word) for word in widths.split(",")]
+    if len(lengths) != 2 or not all(0.0 < length < math.inf for length in lengths):
         raise InvalidInput(f"{option} {widths}: give two lengths in mm, such as 120,60")
     x, y = (0.5e-3 * length for length in lengths)
     if asked.rectangle_mm:

@@ -7,23 +7,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
+from rich.table import Table
+
 from cyclemap.cli.commands import FingerprintOptions, PortraitOptions, StaircaseOptions
-from cyclemap.cli.json_report import (
-    measured_report,
-    orbit_report,
-    steps_report,
-    uncertainty_report,
-)
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
+    measured_report,
+    orbit_report,
     people_table,
     progress_bar,
     publish,
-    result_stem,
+    result_name,
+    steps_report,
     styled,
+    uncertainty_report,
 )
 from cyclemap.collection.fingerprint import Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_prediction import (
@@ -46,7 +47,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
 from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.views import fingerprint_page, portrait_page, sentences
-from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, json_of, written
+from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, if_known, json_of, written
 
 if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase, Theta0Pairs
@@ -82,8 +83,8 @@ def run_portrait(asked: PortraitOptions) -> None:
     publish(
         report,
         portrait_page.portrait_page(drawn, portrait_curves(drawn), measured),
-        result_stem(asked.results.out, "portrait", loop),
         asked.results,
+        result_name("portrait", loop),
         *_lines(drawn, measured, margins),
     )
 
@@ -212,8 +213,8 @@ def run_staircase(asked: StaircaseOptions) -> None:
     publish(
         staircase_report(forecast, measured),
         portrait_page.staircase_page(forecast, measured),
-        result_stem(asked.results.out, "staircase", loop),
         asked.results,
+        result_name("staircase", loop),
         portrait_page.forecast_sentence(forecast),
         portrait_page.worn_sentence(forecast),
         portrait_page.run_sentence(forecast),
@@ -253,14 +254,7 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
     if asked.check and not predicts:
-        if bow:
-            raise InvalidInput(
-                f"--check compares a prediction for a floor without a bow, but this one has "
-                f"{bow:.3g} mean pressures: set floor_bow=0, or ask for the portrait"
-            )
-        raise InvalidInput(
-            "--check compares a prediction with the full map: name a MATERIAL or set its friction"
-        )
+        raise InvalidInput(_why_unpredicted(bow))
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
         numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if asked.check else report)
@@ -272,13 +266,7 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
             )
     known = direction_uncertainty(loop) if predicts else None
     as_json = fingerprint_report(numbers, prediction, checked, name, known)
-    rows = []
-    for stroke in ("push", "drag", "cycle"):
-        rows.append((stroke, *fingerprint_page.seven_numbers(getattr(numbers, stroke))))
-    lines: list[Told] = [
-        people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)),
-        fingerprint_page.protocol_sentence(numbers),
-    ]
+    lines: list[Told] = [_seven_numbers(numbers), fingerprint_page.protocol_sentence(numbers)]
     if prediction is not None:
         lines += [
             fingerprint_page.surface_sentence(prediction, name),
@@ -289,22 +277,36 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     if asked.margin:
         as_json["margins"], margins = margins_of(loop)
         lines += margins
-    if bow:
-        lines.append(fingerprint_page.bow_sentence(numbers, bow))
-    lines.append(sentences.uncertainty_sentence(name, known))
-    if checked is not None:
-        lines.append(fingerprint_page.check_sentence(checked))
     publish(
         as_json,
         fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
-        result_stem(asked.results.out, "fingerprint", loop, name),
         asked.results,
+        result_name("fingerprint", loop, name),
         *lines,
+        fingerprint_page.bow_sentence(numbers, bow) if bow else "",
+        sentences.uncertainty_sentence(name, known),
+        "" if checked is None else fingerprint_page.check_sentence(checked),
     )
 
 
+def _why_unpredicted(bow: float) -> str:
+    if bow:
+        return (
+            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
+            "mean pressures: set floor_bow=0, or ask for the portrait"
+        )
+    return "--check compares a prediction with the full map: name a MATERIAL or set its friction"
+
+
+def _seven_numbers(numbers: Fingerprint) -> Table:
+    rows = []
+    for stroke in ("push", "drag", "cycle"):
+        rows.append((stroke, *fingerprint_page.seven_numbers(getattr(numbers, stroke))))
+    return people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,))
+
+
 def fingerprint_report(
-    found: Fingerprint,
+    numbers: Fingerprint,
     prediction: Prediction | None,
     checked: PredictionCheck | None,
     name: str,
@@ -316,8 +318,8 @@ def fingerprint_report(
     "uncertainty" is of the stable directions of the full map.
     """
     report: Json = {
-        **json_of(found.cycle),
-        **json_of(found, "push", "drag", "remainder", "bow_remainder"),
+        **json_of(numbers.cycle),
+        **json_of(numbers, "push", "drag", "remainder", "bow_remainder"),
     }
     if prediction is not None:
         report["prediction"] = _prediction(prediction, name)
@@ -329,7 +331,7 @@ def fingerprint_report(
             "checked": [
                 {
                     "predicted_deg": direction_deg(direction.predicted.theta),
-                    "full_deg": _direction(direction.full),
+                    "full_deg": if_known(_direction, direction.full),
                     "miss_deg": degrees(direction.miss),
                     "within_error": direction.within_error,
                 }
@@ -351,7 +353,7 @@ def _prediction(prediction: Prediction, name: str) -> Json:
             {
                 **orbit_report(direction.orbit),
                 "error_deg": degrees(direction.error),
-                "second_order_deg": _direction(direction.second_order),
+                "second_order_deg": if_known(_direction, direction.second_order),
             }
             for direction in prediction.directions
         ],
@@ -365,8 +367,8 @@ def _prediction(prediction: Prediction, name: str) -> Json:
     }
 
 
-def _direction(orbit: Orbit | None) -> float | None:
-    return None if orbit is None else direction_deg(float(orbit.points[0]))
+def _direction(orbit: Orbit) -> float:
+    return direction_deg(float(orbit.points[0]))
 
 
 def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
@@ -386,12 +388,11 @@ def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
 
 def margin_report(margin: DirectionMargin) -> Json:
     """How far a setting is from a change of the stable directions, in the unit of its key."""
-    factor = float(SETTINGS[margin.key].unit.in_si)
-    unit = Unit("", lambda value: value / factor)
+    unit = Unit("", SETTINGS[margin.key].unit.of_si)
     return {
         **json_of(margin, "key", "value", "directions", unit=unit),
-        "below": None if margin.below is None else _change(margin.below, unit),
-        "above": None if margin.above is None else _change(margin.above, unit),
+        "below": if_known(partial(_change, unit=unit), margin.below),
+        "above": if_known(partial(_change, unit=unit), margin.above),
         "searched": written((margin.low, margin.high), unit),
         "share": written(margin.share),
     }

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from cyclemap.cli.collected.readable_data import readable_data
 from cyclemap.cli.commands import ExploreOptions, ReportOptions
-from cyclemap.cli.options import said_command
-from cyclemap.cli.output import progress_bar, result_stem, write_page
-from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
+from cyclemap.cli.options import length_and_start, said_command
+from cyclemap.cli.output import progress_bar, result_name, write_page
+from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data, measured_pairs
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
@@ -44,8 +44,7 @@ def run_report(asked: ReportOptions) -> None:
     chosen = asked.loop.chosen_loop(asked.data)
     data = None if asked.data is None else readable_data(asked.data, asked.table, asked.out)
     pairs = None if data is None else collection_data(data, chosen.loop).pairs
-    path = None if pairs is None else pairs.path
-    start, cycles = (0.0, DEFAULT_CYCLES) if path is None else (float(path[0]), len(path) - 1)
+    cycles, start = length_and_start(None if pairs is None else pairs.path)
     sections: list[Section] = []
     downloads: tuple[Download, ...] = ()
     with progress_bar(f"report on {chosen.loop.material.name}") as progress:
@@ -77,7 +76,7 @@ def run_report(asked: ReportOptions) -> None:
         downloads=downloads,
         provenance=provenance_of(drawn, command, inputs),
     )
-    write_page(page, result_stem(asked.out, "report", chosen.loop))
+    write_page(page, asked.out / f"{result_name('report', chosen.loop)}.html")
 
 
 def _what_to_do(
@@ -145,6 +144,7 @@ def run_explore(asked: ExploreOptions) -> None:
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
         drawn = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
     page = page_html(drawn, 0.0, (surface,), chosen.settings, pairs=pairs)
-    place = write_page(page, result_stem(asked.out, "explore", chosen.loop))
+    place = asked.out / f"{result_name('explore', chosen.loop)}.html"
+    write_page(page, place)
     if asked.browser:
         webbrowser.open(place.resolve().as_uri())

@@ -5,11 +5,20 @@ what `cyclemap portrait` and `staircase` say of a strategy whose cycles differ.
 import math
 from pathlib import Path
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.cli.commands import ResetOptions
-from cyclemap.cli.json_report import actions_report, measured_report, steps_report
 from cyclemap.cli.options import RunOptions
-from cyclemap.cli.output import Told, people_table, progress_bar, publish, result_stem, styled
+from cyclemap.cli.output import (
+    Told,
+    actions_report,
+    measured_report,
+    people_table,
+    progress_bar,
+    publish,
+    result_name,
+    steps_report,
+    styled,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
@@ -73,9 +82,10 @@ def run_reset(asked: ResetOptions) -> None:
             seed=asked.seed,
             progress=report,
         )
-    stem = result_stem(asked.results.out, "reset", chosen.loop)
+    name = result_name("reset", chosen.loop)
     strategy = design.chosen.strategy
-    protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
+    protocol = asked.results.out / f"{name}.toml"
+    schedule = asked.results.out / f"{name}.csv"
     write_protocol(
         protocol, design.loop, strategy, noise=chosen.noise, predicted=_predicted(design.chosen)
     )
@@ -83,8 +93,8 @@ def run_reset(asked: ResetOptions) -> None:
     publish(
         _report(design, protocol, schedule),
         reset_page(design),
-        stem,
         asked.results,
+        name,
         *_lines(design),
         after=(f"protocol: {protocol}", f"schedule: {schedule}"),
     )
@@ -138,7 +148,7 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
         "material": design.loop.material.name,
         "noise_deg": degrees(design.sigma),
         "range": {
-            **json_of(design.about, "told"),
+            **json_of(design.about, "origin"),
             "materials": [material.name for material in design.about.materials],
             **json_of(design.about, "share", "confidence"),
         },
@@ -180,9 +190,9 @@ def run_strategy_portrait(
     turns = map_turns(maps)
     measured = None if pairs is None else pairs.path
     law = orientation_law(turns, strategy, sigma)
-    factor = slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, measured, asked)
-    mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
+    mean_turn = _mean_turn(theta)
+    factor = slowest_factor(turns, strategy, sigma)
     as_json: Json = {
         "strategy": {"recipe": recipe(strategy), **json_of(strategy, "order", "needs")},
         "map": rows(
@@ -193,28 +203,41 @@ def run_strategy_portrait(
         "fixed_points": [],
         "fixed_points_reason": _EACH,
         "rotation_number": {
-            "value": mean_turn / (2.0 * math.pi),
-            **dict.fromkeys(("lower", "upper", "locked")),
+            "value": mean_turn / TWO_PI,
+            "lower": None,
+            "upper": None,
+            "locked": None,
         },
         "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
         "staircase": {**_NO_STEPS, "mean_turn_deg": degrees(mean_turn), "run": ran},
     }
     if pairs is not None:
         as_json["data"] = {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}
-    words = (
-        f"{loop.material.name}: {law.total_variation:.1%} away from uniform",
-        f"With {math.degrees(sigma):.2g}° of noise a cycle: {recipe(strategy)}.",
-        f"Total variation from uniform {law.total_variation:.4f} in the long run, {law.after:.4f} "
-        f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
-        f"In a run of {len(theta) - 1} cycles θ0 moves {angle(mean_turn, 2)} a cycle on average.",
-    )
+    words = _law_words(chosen, strategy, law, theta)
     publish(
         as_json,
         strategy_page(words, loop, strategy, theta, measured, turns, law),
-        result_stem(asked.results.out, "portrait", loop),
         asked.results,
+        result_name("portrait", loop),
         *words,
     )
+
+
+def _law_words(
+    chosen: ChosenCollection, strategy: ResetStrategy, law: OrientationLaw, theta: Array
+) -> tuple[str, ...]:
+    return (
+        f"{chosen.loop.material.name}: {law.total_variation:.1%} away from uniform",
+        f"With {math.degrees(chosen.noise):.2g}° of noise a cycle: {recipe(strategy)}.",
+        f"Total variation from uniform {law.total_variation:.4f} in the long run, {law.after:.4f} "
+        f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
+        f"In a run of {len(theta) - 1} cycles θ0 moves {angle(_mean_turn(theta), 2)} a cycle on "
+        "average.",
+    )
+
+
+def _mean_turn(theta: Array) -> float:
+    return float((theta[-1] - theta[0]) / (len(theta) - 1))
 
 
 def _law_report(law: OrientationLaw, factor: float) -> Json:
@@ -254,14 +277,14 @@ def run_strategy_staircase(
         f"Staircase of {loop.material.name}",
         f"{recipe(strategy)}.".capitalize(),
         f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it "
-        f"{rests}; θ0 moves {angle((theta[-1] - theta[0]) / (len(theta) - 1), 2)} a cycle on "
+        f"{rests}; θ0 moves {angle(_mean_turn(theta), 2)} a cycle on "
         "average.",
     )
     publish(
         as_json,
         strategy_page(words, loop, strategy, theta, data),
-        result_stem(asked.results.out, "staircase", loop),
         asked.results,
+        result_name("staircase", loop),
         *words,
     )
 

@@ -11,7 +11,13 @@ import click
 from cyclemap import sweeps
 from cyclemap.cli.commands import SweepOptions
 from cyclemap.cli.options import words_of
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem, styled
+from cyclemap.cli.output import (
+    PeopleConsole,
+    progress_bar,
+    publish_json,
+    result_name,
+    styled,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.protocol.chosen_loop import said_settings, set_settings
@@ -49,8 +55,8 @@ def run_sweep(asked: SweepOptions) -> None:
         if MATERIAL_KEY in plan.keys
         else plan.materials[""].name
     )
-    stem = result_stem(asked.results.out, "sweep", _object_loop(plan), name)
-    store = stem.with_name(f"{stem.name}.sqlite")
+    results = asked.results
+    store = results.out / f"{result_name('sweep', _object_loop(plan), name)}.sqlite"
     if asked.status:
         now = sweeps.sweep_status(store, plan)
         done = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.loop_surfaces import (
@@ -119,7 +119,7 @@ class TurnResponse:
 
     def first_order(self, seen: ArrayLike) -> Array:
         """Return the first-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""
-        return np.asarray(finite_array("seen", seen, last=4) @ self.gradient)
+        return finite_array("seen", seen, last=4) @ self.gradient
 
     def second_order(self, seen: ArrayLike) -> Array:
         """Return the second-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""
@@ -296,7 +296,7 @@ def _remainder(loop: CollectionLoop, response: TurnResponse) -> float:
     first = np.arange(_SURFACES) / _SURFACES
     second = np.arange(_SURFACES) * 0.5 * (math.sqrt(5.0) - 1.0)
     left = []
-    for psi, phi in zip(2.0 * math.pi * first, math.pi * second, strict=True):
+    for psi, phi in zip(TWO_PI * first, math.pi * second, strict=True):
         surface = Anisotropy(_OFFSET, float(psi), _ELLIPTICITY, float(phi))
         seen = surface.seen_from(0.0)
         expected = response.turn + response.first_order(seen) + response.second_order(seen)

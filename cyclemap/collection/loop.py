@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array, placed
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycles import Cycles, CycleSensitivity, CycleTrajectory, StrokePair
@@ -243,7 +243,7 @@ class CollectionLoop:
             For whole numbers beyond a turn: they are likely degrees.
         """
         theta = finite_number("theta", theta)
-        if abs(theta) > 2.0 * math.pi and theta.is_integer():
+        if abs(theta) > TWO_PI and theta.is_integer():
             doubt = (
                 f"theta is {theta:g} rad, more than a turn: degrees are given as "
                 f"math.radians({theta:g})"

@@ -53,7 +53,6 @@ from cyclemap.written import ANGLE
 # The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
 # degrees.
 DEFAULT_SIGMA = float(np.deg2rad(1.1))
-FULL_TURN = 2 * np.pi
 
 DEFAULT_CYCLES = 2000
 # Maps that most drifts take.
@@ -119,31 +118,15 @@ class Portrait(NoisyLoop):
         The loop.
     map : CircleMap
         Its cycle map, θ in rad.
-    turns : TurnStatistics
-        Statistics of the map's turn.
-    fixed_points : tuple of Orbit
-        The directions it maps to themselves.
-    gathering_jumps : tuple of float
-        The jumps (rad) about which orbits gather from both sides, as about a stable point.
-    rotation : RotationNumber
-        Its rotation number.
     noise : WrappedNormal
         The noise added to every cycle.
     operator : TransferOperator
         The transfer operator of map plus noise.
     staircase : Staircase
         One noisy run.
-    prediction : StaircaseSummary
-        What such a run looks like on average.
-    cycle : Cycle
-        One noiseless cycle, started at the most visited stable point, or at 0 where there is
-        none.
     drifting : DriftingMap or None
         Where the surface wears, its map over the cycles of the run, which then follows it; all
         else is of the fresh surface. None where it does not.
-    worn : StaircaseSummary or None
-        Where the surface wears, what runs on the surface of the last cycle are like; None where
-        it does not.
     uncertainty : DirectionUncertainty or None
         How well the stable directions are known, of the fresh surface; None where the mechanics
         is not.
@@ -162,7 +145,7 @@ class Portrait(NoisyLoop):
     """
 
     def _repr_html_(self) -> str:
-        theta = np.linspace(0.0, FULL_TURN, 361)
+        theta = np.linspace(0.0, TWO_PI, 361)
         points = [
             Stroke([[orbit.points[0], 0.0]], BLUE, DISC if orbit.stable else CIRCLE, 4.0)
             for orbit in self.fixed_points
@@ -222,7 +205,7 @@ class Portrait(NoisyLoop):
         peaks = self.operator.peaks()
         density = self.operator.density(peaks)
         order = np.argsort(-density)
-        return tuple(peaks[order][density[order] > 1.0 / FULL_TURN].tolist())
+        return tuple(peaks[order][density[order] > 1.0 / TWO_PI].tolist())
 
     @property
     def tv_from_uniform(self) -> float | None:
@@ -355,7 +338,7 @@ def noises_of(
         white = WrappedNormal(DEFAULT_SIGMA if sigma is None else positive_number("sigma", sigma))
         return white, white
     own = LocalNoise(measured.log_sigma, measured.correlation)
-    theta = np.linspace(0.0, FULL_TURN, 720, endpoint=False)
+    theta = np.linspace(0.0, TWO_PI, 720, endpoint=False)
     slowest = theta[np.argmin(np.abs(shorter_way(cycle_map.turn(theta))))]
     return WrappedNormal(own.white(float(slowest))), own
 
@@ -373,7 +356,7 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
-        mean_turn=float(weight @ turn / FULL_TURN),
+        mean_turn=float(weight @ turn / TWO_PI),
         min_turn=float(turn.min()),
         max_turn=float(turn.max()),
         min_slope=float(slope.min()),
@@ -389,13 +372,6 @@ class StaircaseForecast(NoisyLoop):
     loop, map, noise, operator, staircase, prediction, drifting, worn, uncertainty, forecast
         As of a `Portrait`: what is run, its map, the noise of a cycle, one noisy run, and what such
         a run looks like on average.
-    log10_residences : tuple of Estimate or None
-        Of each of the prediction's zones, log10 of its mean residence in cycles, beyond every
-        float too; None where it could not be certified.
-    steps : Steps
-        The dwells and steps found in the run.
-    comparison : StepComparison
-        These steps beside the prediction, of the fresh surface.
 
     Examples
     --------

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array
-from cyclemap.collection.portrait import FULL_TURN, Portrait
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.collection.portrait import Portrait
 from cyclemap.maps import CircleMap, transfer_operator
 
 CURVE_SAMPLES = 1440
@@ -71,7 +71,7 @@ class PortraitCurves:
 
 def portrait_curves(portrait: Portrait) -> PortraitCurves:
     """The curves of `portrait`."""
-    theta = np.linspace(0.0, FULL_TURN, CURVE_SAMPLES + 1)
+    theta = np.linspace(0.0, TWO_PI, CURVE_SAMPLES + 1)
     drifting = portrait.drifting
     if drifting is None:
         density = portrait.operator.density(theta)
@@ -89,7 +89,7 @@ def turn_curve(cycle_map: CircleMap) -> TurnCurve:
     places, before, after = cycle_map.jumps()
     turns = zip(places.tolist(), (before - places).tolist(), (after - places).tolist(), strict=True)
     jumps = tuple(Jump(*values) for values in turns)
-    pieces = _pieces(0.0, FULL_TURN, places)
+    pieces = _pieces(0.0, TWO_PI, places)
     return TurnCurve(tuple((theta, cycle_map.turn(theta)) for theta in pieces), jumps)
 
 
@@ -114,7 +114,7 @@ def cobweb(portrait: Portrait) -> Cobweb:
     # Every lift of the jumps and of the unstable points in the window.
     jumps = np.array([jump.theta for jump in curve.jumps])
     unstable = np.array([orbit.points[0] for orbit in portrait.fixed_points if not orbit.stable])
-    turns = FULL_TURN * np.arange(np.floor(low / FULL_TURN) - 1, np.ceil(high / FULL_TURN) + 1)
+    turns = TWO_PI * np.arange(np.floor(low / TWO_PI) - 1, np.ceil(high / TWO_PI) + 1)
     lifts = (np.add.outer(turns, theta).ravel() for theta in (jumps, unstable))
     cuts, between = (every[(every >= low) & (every <= high)] for every in lifts)
     pieces = _pieces(low, high, cuts)
@@ -145,11 +145,11 @@ def _cobweb_path(cycle_map: CircleMap, start: float, low: float, high: float) ->
 
 def _pieces(low: float, high: float, cuts: Array) -> tuple[Array, ...]:
     """Sample points (n,) of [low, high], in pieces that end just short of each cut."""
-    hair = 1e-9 * FULL_TURN
+    hair = 1e-9 * TWO_PI
     edges = np.concatenate(
         [[low], np.sort(cuts[(cuts > low + hair) & (cuts < high - hair)]), [high]]
     )
-    spacing = FULL_TURN / CURVE_SAMPLES
+    spacing = TWO_PI / CURVE_SAMPLES
     sizes = np.maximum(np.ceil(np.diff(edges) / spacing).astype(int) + 1, 2)
     return tuple(
         np.linspace(left + hair, right - hair, size)

@@ -254,13 +254,8 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     slopes = np.fft.irfft(waves * np.fft.rfft(columns, axis=1), _NODES, axis=1)
     turn = batch.theta_next[0] - theta + change @ columns
     slope = batch.jacobian[0, :, -1, 0] - 1.0 + change @ slopes
-    owner, node = np.indices(turn.shape)
-    after = (node + 1) % _NODES
-    cells = np.stack(
-        [theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[owner, after]], -1
-    )
-    cells = np.concatenate([cells, np.stack([slope, slope[owner, after]], -1)], -1)
-    return _roots(owner.ravel(), cells.reshape(-1, 6), len(loops))
+    owners = np.repeat(np.arange(len(loops)), _NODES)
+    return _roots(owners, _cells(turn, slope), len(loops))
 
 
 def _coordinates(loop: CollectionLoop, phi: float) -> Array:
@@ -317,34 +312,30 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     """
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
-    turn = batch.theta_next - theta
-    slope = batch.jacobian[:, :, -1, 0] - 1.0
-    width = np.full(theta.shape, TWO_PI / theta.shape[1])
-    ends = (theta, width, turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
-    cells = np.stack(ends, -1).reshape(-1, 6)
+    cells = _cells(batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0)
     owners = np.repeat(np.arange(len(loops)), theta.shape[1])
     done = []
     owner = []
     for halving in range(_HALVINGS):
-        middle = cells[:, 0] + 0.5 * cells[:, 1]
+        start, width, first, last, rise, fall = cells.T
+        half = 0.5 * width
+        middle = start + half
         batch = run_batch([loops[index] for index in owners.tolist()], middle[:, None], 1)
         turn = batch.theta_next[:, 0] - middle
         slope = batch.jacobian[:, 0, -1, 0] - 1.0
         error = np.abs(turn - _cubic(cells, np.array([0.5]))[:, 0])
-        half = 0.5 * cells[:, 1]
-        left = np.stack([cells[:, 0], half, cells[:, 2], turn, cells[:, 4], slope], -1)
-        right = np.stack([middle, half, turn, cells[:, 3], slope, cells[:, 5]], -1)
+        left = np.stack([start, half, first, turn, rise, slope], -1)
+        right = np.stack([middle, half, turn, last, slope, fall], -1)
         halves = np.concatenate([left, right])
-        parents = np.concatenate([owners, owners])
         # A half is a sixteenth as far off as the whole where the map is smooth; at a kink by luck
         # less.
-        error = np.concatenate([error, error])
+        parents, error = (np.concatenate([values, values]) for values in (owners, error))
         nearest = np.abs(_offset(halves)).min(axis=1)
-        open_ = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
-        done.append(halves[~open_])
-        owner.append(parents[~open_])
-        cells = halves[open_]
-        owners = parents[open_]
+        is_open = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
+        done.append(halves[~is_open])
+        owner.append(parents[~is_open])
+        cells = halves[is_open]
+        owners = parents[is_open]
         if report is not None:
             report((halving + 1) / _HALVINGS)
         if not owners.size:
@@ -352,18 +343,24 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     return _roots(np.concatenate([*owner, owners]), np.concatenate([*done, cells]), len(loops))
 
 
-def _cubic(cells: Array, share: Array) -> Array:
-    """Turns (n, k) of cells (n, 6: start, width, turns and slopes of turn at both ends) at shares
-    (k,) of the width.
+def _cells(turn: Array, slope: Array) -> Array:
+    """Cells (k n, 6: start, width, turns and slopes of turn at both ends) of k maps from turns and
+    slopes (k, n) at nodes evenly all around.
     """
+    count = turn.shape[1]
+    start = TWO_PI * np.arange(count) / count
+    ends = (turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
+    return np.stack(np.broadcast_arrays(start, TWO_PI / count, *ends), -1).reshape(-1, 6)
+
+
+def _cubic(cells: Array, share: Array) -> Array:
+    """Turns (n, k) of cells (n, 6) at shares (k,) of the width."""
     h00 = (1.0 + 2.0 * share) * (1.0 - share) ** 2
     h01 = share**2 * (3.0 - 2.0 * share)
     h10 = share * (1.0 - share) ** 2
     h11 = share**2 * (share - 1.0)
-    shapes = np.array([h00, h01, h10, h11])
-    return np.asarray(
-        (cells[:, 2:] * np.stack([np.ones(len(cells))] * 2 + [cells[:, 1]] * 2, -1)) @ shapes
-    )
+    _, width, first, last, rise, fall = cells.T
+    return np.stack([first, last, width * rise, width * fall], -1) @ [h00, h01, h10, h11]
 
 
 def _offset(cells: Array) -> Array:
@@ -371,7 +368,7 @@ def _offset(cells: Array) -> Array:
     nearest to each cell.
     """
     turn = _cubic(cells, np.linspace(0.0, 1.0, _INSIDE + 1))
-    return np.asarray(turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI))
+    return turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI)
 
 
 def _roots(owners: NDArray[np.intp], cells: Array, count: int) -> list[Array]:

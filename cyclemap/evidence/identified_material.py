@@ -178,9 +178,9 @@ def derived_quantities(
     """Return directions and sizes of friction ellipse and floor's bow as far as their parameters
     are free.
 
-    Intervals hold the middle share `identified.level` of sampled surfaces. Where a vector (ellipticity,
-    offset, bow) may be zero by Hotelling's test, its direction is not known and its size has its
-    least value, 1 or 0, for a lower end: drawn vectors never are zero.
+    Intervals hold the middle share `identified.level` of sampled surfaces. Where a vector
+    (ellipticity, offset, bow) may be zero by Hotelling's test, its direction is not known and its
+    size has its least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
     drawn = [
         SurfaceParameters.from_values(draw) for draw in sampled_values(identified, draws, seed)
@@ -325,14 +325,17 @@ def _worn_floor(identified: Identification, worn: SurfaceShape) -> SurfaceShape:
     return worn
 
 
-def _course(values: Values, last_cycle: float) -> tuple[tuple[float, float], ...]:
-    """How much of the wear is done after some cycles, as `Wear` takes it."""
+def _wear(identified: Identification, last_cycle: float) -> Wear | None:
+    """How the surface wears until the last cycle, where the data were let tell it."""
+    values = identified.values
+    worn = worn_surface(values)
+    if worn is None or last_cycle <= 0.0:
+        return None
     pace = [values[name] for name in PACE_NAMES if name in values]
     elapsed = np.arange(1, len(pace)) / max(len(pace), 1)
-    if elapsed.size == 0:
-        return ()
     shares = worn_share(pace, elapsed)[0]
-    return tuple(zip((last_cycle * elapsed).tolist(), shares.tolist(), strict=True))
+    course = tuple(zip((last_cycle * elapsed).tolist(), shares.tolist(), strict=True))
+    return Wear(worn.to_friction(), last_cycle, course, _worn_floor(identified, worn.floor))
 
 
 def _outline(law: EllipseFriction) -> Array:
@@ -389,31 +392,17 @@ def identified_material(
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
-    asked = {
-        name.partition("[")[0] for block in identified.problem.blocks for name in block.parameters
-    }
-    rod_and_ring = {
-        field.name: identified.values[field.name]
-        for field in fields(FoundWith)
-        if field.name in asked
-    }
-    worn = worn_surface(identified.values)
-    shifts = dict[str, list[float]]()
-    for key, value in identified.values.items():
-        if key.startswith("tip_offset_"):
-            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
-            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
+    values = identified.values
+    blocks = identified.problem.blocks
+    asked = {key.partition("[")[0] for block in blocks for key in block.parameters}
+    rod_and_ring = {row.name: values[row.name] for row in fields(FoundWith) if row.name in asked}
     floors = identified.floors
     before = Material(name, identified.friction()) if floor is None else floor
     plates = [
         PlatePressure(owner or plate, shape=shape) for owner, shape in identified.plates.items()
     ]
     sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
-    frames = [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
-    wear = None
-    if worn is not None and last_cycle > 0.0:
-        course = _course(identified.values, last_cycle)
-        wear = Wear(worn.to_friction(), last_cycle, course, _worn_floor(identified, worn.floor))
+    kept = [known for known in before.plates if not any(known.shares.values())]
     material = Material(
         name,
         identified.friction(),
@@ -421,18 +410,26 @@ def identified_material(
         misfit_words(identified),
         inferred=True,
         found_with=replace(before.found_with, **rod_and_ring),
-        plates=_joined(
-            [known for known in before.plates if not any(known.shares.values())], plates, "plate"
-        ),
-        wear=wear,
-        frames=_joined(before.frames, frames, "plate"),
+        plates=_joined(kept, plates, "plate"),
+        wear=_wear(identified, last_cycle),
+        frames=_joined(before.frames, _frame_shifts(values, plate), "plate"),
         noise=before.noise,
         floor=floors.get("", FLAT),
         sessions=_joined(before.sessions, sessions, "name"),
         session_spread=identified.session_spread,
-        field=floor_field(identified.values),
+        field=floor_field(values),
     )
     return replace(material, posterior=_posterior(identified, material, plate, before.posterior))
+
+
+def _frame_shifts(values: Values, plate: str) -> list[FrameShift]:
+    """How the frames of plates' data are shifted; that of data of one plate is the plate's."""
+    shifts = dict[str, list[float]]()
+    for key, value in values.items():
+        if key.startswith("tip_offset_"):
+            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
+            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
+    return [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
 
 
 def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:

@@ -1,5 +1,6 @@
-"""A plan as tables, one to fill in and one for a robot, and what is known once it is filled in: what
-measured pushes tell of a floor of which something was believed before, and whether that is enough.
+"""A plan as tables, one to fill in and one for a robot, and what is known once it is filled in:
+what measured pushes tell of a floor of which something was believed before, and whether that is
+enough.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from cyclemap.mechanics import Pose
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
-from cyclemap.progress import Progress, part_of, unheard
+from cyclemap.progress import Progress, part_of
 from cyclemap.text_files import file_stem
 
 MM = 1e3
@@ -221,8 +222,8 @@ def measured_plan(
     >>> measured.notes  # doctest: +SKIP
     ('read.csv: 2 push ends of rect1',)
     """
-    report = progress or unheard
-    identification, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
+    identifying = part_of(progress, 0, 2)
+    identification, notes = identified_plan(loop, paths, seed=seed, progress=identifying)
     floor = loop.material
     sources = [path.name for path in paths]
     name = f"{floor.name}-measured"
@@ -230,7 +231,7 @@ def measured_plan(
         identification, name, sources, plate=loop.slider.name, floor=floor
     )
     measured = replace(loop, footprint=None).with_material(material)
-    directions = direction_uncertainty(measured, part_of(report, 1, 2))
+    directions = direction_uncertainty(measured, part_of(progress, 1, 2))
     return MeasuredPlan(measured, identification, directions, notes)
 
 

@@ -13,6 +13,7 @@ import math
 import warnings
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, ClassVar
 
@@ -33,7 +34,7 @@ from cyclemap.evidence.tables.conventions import (
     RIGHT_HANDED,
     Convention,
 )
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider, load_material
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, QuasiStaticModel, Slider, load_material
 from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
@@ -416,7 +417,7 @@ class _Test:
         motion, expected_turn = self.expected(own)
         # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
         off = 0.0 if reading.angle != 1.0 else self.lever * (turn - expected_turn)
-        return np.asarray(np.hypot(np.abs(own[:, 0] - motion), off))
+        return np.hypot(np.abs(own[:, 0] - motion), off)
 
     def distance(self, reading: _Reading) -> float:
         """The median of `distances`."""
@@ -559,8 +560,12 @@ class _WithTips(_Test):
 
     loop: CollectionLoop
 
+    @cached_property
+    def model(self) -> QuasiStaticModel:
+        """The mechanics, as coarse as a reading needs it."""
+        return replace(self.loop, accuracy=1e-4).model
+
     def expected(self, own: Array) -> tuple[Array, Array]:
-        model = replace(self.loop, accuracy=1e-4).model
         # A rod inside the object: as far off as nothing is.
         motion = np.full(len(own), 1e3 + 1e3j)
         turn = np.full(len(own), 1e3)
@@ -568,7 +573,7 @@ class _WithTips(_Test):
             tips = (first.real, first.imag), (last.real, last.imag)
             with suppress(CycleMapError):
                 push = MeasuredPush(Pose(), Pose(), *tips)
-                x, y, turn[index] = predicted_push_ends(model, [push])[0][0]
+                x, y, turn[index] = predicted_push_ends(self.model, [push])[0][0]
                 motion[index] = complex(x, y)
         return motion, turn
 

@@ -1,10 +1,5 @@
-"""Choose pushes so that what is asked will be known best, on average over what is believed and if
-any push is lost.
-
-To first order the covariance of the unknowns after pushes is C = (C0^-1 + Σ J^T R^-1 J)^-1 in each
-sample of what is believed, and what is asked has the variance g C g^T (Bayesian design for linear
-functionals, Chaloner & Verdinelli 1995). Pushes are chosen one by one, then each is exchanged for a
-better one as long as there is any.
+"""Choose, of the pushes that a person or a robot can set up, those after which what is asked will
+be known best, on average over what is believed and if any of them is lost.
 """
 
 from __future__ import annotations
@@ -220,9 +215,7 @@ def plan_pushes(
     True
     """
     asked = whole_number("pushes of a plan", count, least=1)
-    if target not in TARGETS:
-        raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
-    _check_sizes(asked, room, read, samples, candidates)
+    _check(target, asked, room, read, samples, candidates)
     report = progress or unheard
     known = sampled_beliefs(loop, samples)
     offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
@@ -262,10 +255,17 @@ def plan_pushes(
     )
 
 
-def _check_sizes(
-    asked: int, room: tuple[float, float], read: tuple[float, float], samples: int, candidates: int
+def _check(
+    target: str,
+    asked: int,
+    room: tuple[float, float],
+    read: tuple[float, float],
+    samples: int,
+    candidates: int,
 ) -> None:
-    """Refuse numbers of a plan that make no sense, or are too large."""
+    """Refuse a plan for something else, and numbers that make no sense or are too large."""
+    if target not in TARGETS:
+        raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
     if asked > MOST_PUSHES:
         raise InvalidInput(
             f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"

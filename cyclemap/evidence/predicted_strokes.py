@@ -120,7 +120,8 @@ def predicted_motions(courses: Sequence[Course], most_failing: float) -> Array:
         course = courses[index]
         x, y, theta = course.pose
         begun = Pose(course.unit * x, course.unit * y, theta)
-        motions[index] = ends[index, 2] - theta, *begun.to_object(*ends[index, :2].tolist())
+        end_x, end_y, turned = ends[index].tolist()
+        motions[index] = turned - theta, *begun.to_object(end_x, end_y)
     return motions
 
 
@@ -144,7 +145,7 @@ def predicted_push_ends(
     starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
     starts[:, 2] += turned
     touched, strokes = _from_first_touch(model, pushes, starts, np.asarray(shift))
-    begins = [_seen_from(Pose(*start), origin) for start in starts[touched].tolist()]
+    begins = [Pose(*start) for start in (starts[touched] - (*origin, 0.0)).tolist()]
     courses = [model.course(*both) for both in zip(strokes, begins, strict=True)]
     felt = []
     for stroke, begin in zip(strokes, begins, strict=True):
@@ -184,7 +185,8 @@ def predicted_drag_ends(
     courses = []
     felt = []
     for drag in drags:
-        begin = _seen_from(drag.start, origin)
+        start = drag.start
+        begin = Pose(start.x - origin[0], start.y - origin[1], start.theta)
         goal_x, goal_y = drag.end.to_world(*model.slider.hitch)
         goal = goal_x - origin[0], goal_y - origin[1]
         strokes = model.drag_strokes((goal,), pin_friction_radius)
@@ -195,10 +197,6 @@ def predicted_drag_ends(
     ends, slopes, stayed = predicted_ends(courses, FAILING, len(PARAMETERS))
     by = _by_names(model, DRAG_NAMES, slopes, target, felt)
     return ends + np.array((*origin, 0.0)), by, stayed
-
-
-def _seen_from(pose: Pose, origin: Place) -> Pose:
-    return Pose(pose.x - origin[0], pose.y - origin[1], pose.theta)
 
 
 def _from_first_touch(

@@ -1,9 +1,12 @@
-"""What pushes tell of floor, plate and rod, and how what is asked depends on them: first order,
-sample by sample.
+"""What pushes tell of floor, plate and rod, how what is asked depends on them, and sets of pushes
+that tell most: to first order, sample by sample.
 
 Each sample s of what is believed is a possible truth. There J_s are the derivatives of what is
 measured of a push, and g_s those of what is asked: of a stable direction θ* = f(θ*) it is dθ*/dp =
--f_p / (f' - 1).
+-f_p / (f' - 1). After pushes the covariance of the unknowns is C = (C0^-1 + Σ J^T R^-1 J)^-1, and
+what is asked has the variance g C g^T (Bayesian design for linear functionals, Chaloner &
+Verdinelli 1995). Pushes are chosen one by one, then each is exchanged for a better one as long as
+there is any.
 """
 
 from __future__ import annotations

@@ -468,11 +468,9 @@ def command_push(command: Sequence[str]) -> Push:
             )
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise InvalidInput(
-                f"{command[0]} answered {line.strip()[:200]!r}"
-                f": "
-                'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., '
-                '"dtheta_deg": ...} is wanted'
-                f", written out at once"
+                f"{command[0]} answered {line.strip()[:200]!r}: for each line "
+                '{"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is '
+                "wanted, written out at once"
             ) from error
 
     def close() -> None:

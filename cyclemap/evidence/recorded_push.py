@@ -97,21 +97,22 @@ class Recording:
     def __post_init__(self) -> None:
         object.__setattr__(self, "speed", positive_number("speed of the rod", self.speed))
 
-    def clock(self, seconds: float, lag: float = 0.0) -> tuple[Array, Array]:
-        """Times of samples at 250 Hz from `lag` on until `seconds` are past: as recorded, and since
-        the record began.
+    def samples(self, first: float, last: float, lag: float = 0.0) -> tuple[Array, Array]:
+        """Times of samples at 250 Hz from `lag` on, as recorded, and where the rod then is on its
+        way, m, which goes from `first` to `last`.
 
-        The latter are made of the recorded times, which a double holds to a quarter of a
-        microsecond only.
+        Where it is follows the recorded times, which a double holds to a quarter of a microsecond
+        only.
         """
-        count = math.ceil(seconds * SAMPLES_PER_SECOND) + 1
+        count = math.ceil(recorded_seconds(last - first, self.speed) * SAMPLES_PER_SECOND) + 1
         seen = self.start + (lag + np.arange(count) / SAMPLES_PER_SECOND)
-        return seen, seen - self.start
+        moved = self.speed * (seen - self.start - REST_SECONDS)
+        return seen, np.clip(moved + first, first, last)
 
 
-def recorded_seconds(distance: float, speed: float) -> float:
-    """Seconds that the record of a push over `distance` (m, from first touch) lasts."""
-    return 2.0 * REST_SECONDS + (APPROACH + distance) / speed
+def recorded_seconds(way: float, speed: float) -> float:
+    """Seconds that the record of a rod that goes so far (m) lasts."""
+    return 2.0 * REST_SECONDS + way / speed
 
 
 def record_push(
@@ -130,23 +131,15 @@ def record_push(
     sixtieth of 150 mm they came, over 48 pushes of four shapes, within 4 micrometres, 4e-6 rad and
     0.2 mN of a run ten times finer.
     """
-    seconds = recorded_seconds(distance, recording.speed)
-    object_time, tip_time, wrench_time = (
-        recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG)
-    )
     # The rod's way from first touch, m, negative before it.
-    object_way, tip_way, wrench_way = (
-        np.clip(recording.speed * (elapsed - REST_SECONDS) - APPROACH, -APPROACH, distance)
-        for _, elapsed in (object_time, tip_time, wrench_time)
-    )
+    object_time, object_way = recording.samples(-APPROACH, distance)
+    tip_time, tip_way = recording.samples(-APPROACH, distance, TIP_LAG)
+    wrench_time, wrench_way = recording.samples(-APPROACH, distance, WRENCH_LAG)
     states = _states(push, distance, np.concatenate([object_way, wrench_way]))
     pose = states[: len(object_way), :3] + (*MIT_TARGET, 0.0)
     noise = recording.noise
-    pose += generator.standard_normal((len(pose), 3)) * (
-        noise.position,
-        noise.position,
-        noise.angle,
-    )
+    scatter = (noise.position, noise.position, noise.angle)
+    pose += generator.standard_normal((len(pose), 3)) * scatter
     pose[:, 2] = shorter_way(pose[:, 2])
     force = -states[len(object_way) :, 3:5]
     lever = states[len(object_way) :, 5:]
@@ -157,9 +150,9 @@ def record_push(
     toward = np.array([math.cos(direction), math.sin(direction)])
     tip = push.trajectory.pusher[0] + tip_way[:, None] * toward + MIT_TARGET
     return PushRecord(
-        np.column_stack([object_time[0], pose]),
-        np.column_stack([tip_time[0], tip, np.zeros(len(tip))]),
-        np.column_stack([wrench_time[0], wrench]),
+        np.column_stack([object_time, pose]),
+        np.column_stack([tip_time, tip, np.zeros(len(tip))]),
+        np.column_stack([wrench_time, wrench]),
     )
 
 
@@ -223,18 +216,13 @@ def record_scan(
     rests, 0.25 s before and after. The rod holds the object at the friction's centre: no torque.
     """
     way = np.array([math.cos(direction), math.sin(direction)])
-    seconds = 2.0 * REST_SECONDS + SCAN_STROKE / recording.speed
-    (tip_seen, tip_time) = recording.clock(seconds)
-    (seen, time) = recording.clock(seconds, WRENCH_LAG)
-    travel = (
-        np.clip(recording.speed * (tip_time - REST_SECONDS), 0.0, SCAN_STROKE) - SCAN_STROKE / 2.0
-    )
+    half = SCAN_STROKE / 2.0
+    tip_time, travel = recording.samples(-half, half)
+    time, pulled = recording.samples(-half, half, WRENCH_LAG)
     force = -weight * friction.traction(way)
-    moving = (time >= REST_SECONDS) & (time <= seconds - REST_SECONDS)
-    wrench = np.outer(moving, [*force, 0.0]) + recording.noise.of_wrenches(
-        len(moving), recording.rod_radius, generator
-    )
+    wrench = np.outer(np.abs(pulled) < half, [*force, 0.0])
+    wrench += recording.noise.of_wrenches(len(wrench), recording.rod_radius, generator)
     return ScanRecord(
-        np.column_stack([tip_seen, SCAN_CENTRE + np.outer(travel, way), np.zeros(len(travel))]),
-        np.column_stack([seen, wrench]),
+        np.column_stack([tip_time, SCAN_CENTRE + np.outer(travel, way), np.zeros(len(travel))]),
+        np.column_stack([time, wrench]),
     )

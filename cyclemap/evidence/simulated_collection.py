@@ -21,6 +21,7 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.pushes.recordings import PushFacts, push_name, scan_name
 from cyclemap.evidence.recorded_push import (
+    APPROACH,
     FIRST_CLOCK,
     Recording,
     RecordingNoise,
@@ -30,7 +31,6 @@ from cyclemap.evidence.recorded_push import (
     scan_set,
 )
 from cyclemap.evidence.tables.data_kinds import SUFFIXES
-from cyclemap.file_text import toml_text
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.friction import worn_friction
@@ -38,6 +38,7 @@ from cyclemap.plain_text import plain_number
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.collection_file import FILE_NAME, SIMULATION, collection_text
 from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
+from cyclemap.written import toml_text
 
 Arguments = dict[str, str | int | float | bool]
 
@@ -86,10 +87,10 @@ class CollectionPlan:
         Whether friction scans, of the fresh surface, come first.
     suffix : str, default '.h5'
         Of files.
-    cycle_loops : tuple of CollectionLoop or None, optional
-        The loop of each of the `cycles`, where pushes or way-points change.
-    gripper_turns : tuple of float or None, optional
-        Of each cycle, by which a gripper turns the object after the drag, rad.
+    cycle_loops : tuple of CollectionLoop, default ()
+        The loop of each of the `cycles`, where pushes or way-points change; else none.
+    gripper_turns : tuple of float, default ()
+        Of each cycle, by which a gripper turns the object after the drag, rad; none without one.
     cycle_noise : LocalNoise or None, optional
         The scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle
         before.
@@ -109,8 +110,8 @@ class CollectionPlan:
     seed: int = 0
     scans: bool = False
     suffix: str = ".h5"
-    cycle_loops: tuple[CollectionLoop, ...] | None = None
-    gripper_turns: tuple[float, ...] | None = None
+    cycle_loops: tuple[CollectionLoop, ...] = ()
+    gripper_turns: tuple[float, ...] = ()
     cycle_noise: LocalNoise | None = None
 
     def __post_init__(self) -> None:
@@ -122,21 +123,21 @@ class CollectionPlan:
         object.__setattr__(self, "speed", Recording(self.speed).speed)
         for name in ("cycle_loops", "gripper_turns"):
             given = getattr(self, name)
-            if given is not None and len(given) != self.cycles:
+            if given and len(given) != self.cycles:
                 raise InvalidInput(
                     f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle"
                 )
-        for cycle, loop in enumerate(self.cycle_loops or ()):
+        for cycle, loop in enumerate(self.cycle_loops):
             if replace(loop, push=self.loop.push, reset=self.loop.reset) != self.loop:
                 raise InvalidInput(
                     f"cycle_loops: the loop of cycle {cycle} differs in more than push and reset"
                 )
-        for turn in self.gripper_turns or ():
+        for turn in self.gripper_turns:
             finite_number("gripper turn", turn)
 
     def new_loop_at(self, cycle: int) -> CollectionLoop:
         """The loop of `cycle` (from 0) with the surface as it was at first."""
-        return self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
+        return self.cycle_loops[cycle] if self.cycle_loops else self.loop
 
     def loop_at(self, cycle: int) -> CollectionLoop:
         """The loop with the surface as worn as it is at `cycle` (from 0)."""
@@ -173,7 +174,8 @@ class CollectionPlan:
         """How the push of `cycle` is recorded."""
         # Whole seconds from one record to the next.
         longest = max(loop.push.distance for loop in self.cycle_loops or (self.loop,))
-        period = math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
+        seconds = recorded_seconds(APPROACH + longest, self.speed)
+        period = math.ceil(2.0 * seconds + _HANDLING_SECONDS)
         return Recording(
             self.speed, FIRST_CLOCK + cycle * period, self.noise, self.loop.pusher.radius
         )
@@ -208,12 +210,10 @@ class CollectionPlan:
         }
         if self.cycle_noise is not None:
             asked["cycle_noise"] = _short(repr(self.cycle_noise))
-        if self.cycle_loops is not None or self.gripper_turns is not None:
-            cycle_by_cycle = (
-                [(loop.push, loop.reset) for loop in self.cycle_loops or ()],
-                self.gripper_turns,
-            )
-            asked["cycle_by_cycle"] = hashlib.sha256(repr(cycle_by_cycle).encode()).hexdigest()
+        if self.cycle_loops or self.gripper_turns:
+            actions = [(loop.push, loop.reset) for loop in self.cycle_loops]
+            text = repr((actions, self.gripper_turns))
+            asked["cycle_by_cycle"] = hashlib.sha256(text.encode()).hexdigest()
         return asked
 
 
@@ -323,12 +323,8 @@ class CollectionFolder:
         push = self.push_path(cycle - 1) if cycle else None
         content = push.read_bytes() if push is not None and push.is_file() else b""
         words = f"{cycle} {theta!r}".encode()
-        return (
-            words
-            + b" # "
-            + hashlib.sha256(b"\0".join((before, words, content))).hexdigest()[:16].encode()
-            + b"\n"
-        )
+        seal = hashlib.sha256(b"\0".join((before, words, content))).hexdigest()[:16]
+        return words + f" # {seal}\n".encode()
 
 
 @dataclass(frozen=True)
@@ -467,7 +463,7 @@ def simulate_collection(
                 push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle)
             )
             write_push_file(begun.push_path(cycle), record)
-            gripped = 0.0 if plan.gripper_turns is None else plan.gripper_turns[cycle]
+            gripped = plan.gripper_turns[cycle] if plan.gripper_turns else 0.0
             theta.append(back.end.theta + gripped + plan.kick(cycle, theta[-1]))
             begun.append_truth(cycle + 1, theta[-1])
             part_of(progress, cycle, plan.cycles)(1.0)

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, even_angles
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import LIFT
@@ -193,7 +193,7 @@ def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) 
     if circle_map.pieces is not None and every_sample:
         marks = np.union1d(circle_map.pieces.knots[:-1], circle_map.breaks)
     else:
-        marks = np.union1d(TWO_PI * np.arange(_PANELS) / _PANELS, circle_map.breaks)
+        marks = np.union1d(even_angles(_PANELS), circle_map.breaks)
     lap = np.floor(start / TWO_PI)
     around = np.concatenate([marks + TWO_PI * (lap + k) for k in (0, 1, 2)])
     around = around[(around > start + SNAP) & (around < end - SNAP)]

@@ -1,8 +1,6 @@
 """A material as the text of a file: read by `load_material`, written by `material_toml`."""
 
-import json
 import math
-import re
 import tomllib
 from collections.abc import Iterable
 from functools import lru_cache
@@ -33,6 +31,7 @@ from cyclemap.mechanics.material import (
     shape_of_numbers,
 )
 from cyclemap.text_files import read_toml
+from cyclemap.written import toml_key, toml_value
 
 FILE_KEYS = (
     "name",
@@ -351,7 +350,7 @@ def material_toml(material: Material) -> str:
     if not material.floor.is_flat:
         tables["floor_shape"] = {**shape_numbers(material.floor, FLOOR_SHAPE_KEYS)}
     for session in material.sessions:
-        key = _key(session.name)
+        key = toml_key(session.name)
         tables[f"sessions.{key}"] = {**shape_numbers(session.shape, FLOOR_SHAPE_KEYS)}
     if material.field is not None:
         rows = zip(SPREAD_KEYS, material.field.coefficients, strict=True)
@@ -363,10 +362,10 @@ def material_toml(material: Material) -> str:
         if value is not None:
             tables.setdefault("found_with", {})[key] = round(1.0 / unit) * value
     for pressure in material.plates:
-        tables[f"plates.{_key(pressure.plate)}"] = {**pressure.numbers}
+        tables[f"plates.{toml_key(pressure.plate)}"] = {**pressure.numbers}
     for shift in material.frames:
         places = 1e3 * shift.x, 1e3 * shift.y
-        tables[f"frames.{_key(shift.plate)}"] = {**dict(zip(SHIFT_KEYS, places, strict=True))}
+        tables[f"frames.{toml_key(shift.plate)}"] = {**dict(zip(SHIFT_KEYS, places, strict=True))}
     if material.noise is not None:
         tables["cycle_noise"] = {
             "log_sigma": material.noise.log_sigma,
@@ -375,19 +374,17 @@ def material_toml(material: Material) -> str:
     if material.posterior is not None:
         tables["posterior"] = {"parameters": material.posterior.parameters}
     words = {key: getattr(material, key) for key in ("name", "provenance", "misfit", "inferred")}
-    lines = [f"{key} = {_text(value)}" for key, value in words.items() if value]
+    lines = [f"{key} = {toml_value(value)}" for key, value in words.items() if value]
     for name, table in tables.items():
-        lines += ["", f"[{name}]", *(f"{key} = {_text(value)}" for key, value in table.items())]
+        lines += [
+            "",
+            f"[{name}]",
+            *(f"{key} = {toml_value(value)}" for key, value in table.items()),
+        ]
     if material.posterior is not None:
-        lines += ["samples = [", *(f"    {_text(row)}," for row in material.posterior.samples), "]"]
+        lines += [
+            "samples = [",
+            *(f"    {toml_value(row)}," for row in material.posterior.samples),
+            "]",
+        ]
     return "\n".join(lines) + "\n"
-
-
-def _key(name: str) -> str:
-    """A name as a key of a table."""
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
-
-
-def _text(value: object) -> str:
-    """A value in TOML: as in JSON, which leaves one control character as it is."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -20,16 +20,7 @@ import numpy as np
 
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.file_text import (
-    MILLIMETRES,
-    NUMBER,
-    FileUnit,
-    Table,
-    check_checksum,
-    located,
-    toml_text,
-)
+from cyclemap.errors import DataFileError, InvalidInput, located
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import (
     Ellipse,
@@ -57,6 +48,14 @@ from cyclemap.protocol.setting_table import (
 )
 from cyclemap.protocol.settings import OWN_OUTLINE, loop_from_settings, warn_of_defaults
 from cyclemap.text_files import key_place, read_text, read_toml
+from cyclemap.written import (
+    MILLIMETRES,
+    NUMBER,
+    FileUnit,
+    Table,
+    check_checksum,
+    toml_text,
+)
 
 # A loop read back may differ by rounding: settings are doubles in millimetres and degrees.
 _ROUNDING = 1e-12

@@ -4,6 +4,7 @@ vertices.
 
 from __future__ import annotations
 
+import math
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.mechanics import Polygon
-from cyclemap.plain_text import install_words, plain_number
+from cyclemap.plain_text import install_words, number_or_nan, plain_number
 from cyclemap.text_files import read_bytes, read_text
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
@@ -230,7 +231,7 @@ def _csv_drawing(path: Path) -> _Drawing:
     metres = None
     header = _fields(kept[0][1], separator)
     named = [field for field in header if field]
-    if not all(map(_is_number, named)):
+    if any(math.isnan(number_or_nan(field)) for field in named):
         columns, metres = _named_columns(path, header)
         kept = kept[1:]
     elif len(named) != 2:
@@ -258,14 +259,6 @@ def _fields(line: str, separator: str) -> list[str]:
     """The fields of a line; where another sign divides them a comma is a decimal one."""
     fields = [field.strip().strip('"\ufeff') for field in line.split(separator)]
     return fields if separator == "," else [field.replace(",", ".") for field in fields]
-
-
-def _is_number(text: str) -> bool:
-    try:
-        plain_number(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], float | None]:

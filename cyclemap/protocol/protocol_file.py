@@ -10,21 +10,20 @@ from pathlib import Path
 
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput, unknown_name
-from cyclemap.file_text import (
-    DEGREES,
-    MILLIMETRES,
-    NUMBER,
-    FileUnit,
-    located,
-    toml_text,
-    with_checksum,
-)
+from cyclemap.errors import DataFileError, InvalidInput, located, unknown_name
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
 from cyclemap.protocol.setting_table import SETTINGS, Settings
 from cyclemap.protocol.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
 from cyclemap.text_files import read_toml, write_whole
+from cyclemap.written import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    FileUnit,
+    toml_text,
+    with_checksum,
+)
 
 Prediction = Mapping[str, object]
 
@@ -234,8 +233,8 @@ def _strategy(table: object) -> ResetStrategy:
     with located("[strategy]"):
         if len(given_weights) not in (0, len(weights)):
             raise InvalidInput(
-                f"{len(given_weights)} of {len(weights)} actions have a weight: give all of them one, "
-                "or none"
+                f"{len(given_weights)} of {len(weights)} actions have a weight: give all of them "
+                "one, or none"
             )
         return ResetStrategy(
             tuple(actions),

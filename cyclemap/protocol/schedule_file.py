@@ -14,16 +14,7 @@ from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput, unknown_name
-from cyclemap.file_text import (
-    DEGREES,
-    MILLIMETRES,
-    FileUnit,
-    check_checksum,
-    decimal_text,
-    located,
-    with_checksum,
-)
+from cyclemap.errors import DataFileError, InvalidInput, located, unknown_name
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.protocol_file import PUSH_UNITS, push_numbers
@@ -35,6 +26,14 @@ from cyclemap.text_files import (
     read_text,
     require_columns,
     write_whole,
+)
+from cyclemap.written import (
+    DEGREES,
+    MILLIMETRES,
+    FileUnit,
+    check_checksum,
+    decimal_text,
+    with_checksum,
 )
 
 ROD_COLUMNS = ("rod_x_mm", "rod_y_mm", "push_dx", "push_dy")

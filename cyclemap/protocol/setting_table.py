@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, FileUnit
 from cyclemap.plain_text import json_value, plain_number
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, FileUnit
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop

@@ -76,14 +76,12 @@ class Crowding:
     def __init__(self, runs: int = 1) -> None:
         decay = math.exp(-REACH)
         offsets = np.arange(CELLS) * (TWO_PI / CELLS)
-        density = (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(offsets))
-        self._kernel = np.concatenate([density, density])
+        self._kernel = (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(offsets))
         self.crowding = np.zeros((runs, CELLS))
 
     def add(self, theta: Array) -> None:
         """Record a direction of each collection, (runs,) rad."""
-        for row, cell in zip(self.crowding, bin_index(theta, CELLS).tolist(), strict=True):
-            row += self._kernel[CELLS - cell : 2 * CELLS - cell]
+        self.crowding += self._kernel[np.arange(CELLS) - bin_index(theta, CELLS)[:, np.newaxis]]
 
     def at(self, theta: Array) -> Array:
         """Return the crowding at directions (..., runs), as a share of the mean over the circle; 0
@@ -129,12 +127,11 @@ class Coverage:
     """
 
     def __init__(self) -> None:
-        size = 2 * HARMONICS + 1
         self._visited = np.zeros(CELLS, dtype=bool)
         self._covered = np.zeros(CELLS, dtype=bool)
         self.crowding = Crowding()
-        self._inverse = np.eye(size)
-        self._log_determinant = 0.0
+        # 1 + M.
+        self._known = np.eye(2 * HARMONICS + 1)
         self._coarse = _columns(_CENTRES[::_COARSE])
         self._last: Array | None = None
 
@@ -146,16 +143,13 @@ class Coverage:
         self._visited[bin_index(visit, CELLS)] = True
         self._covered |= distance <= REACH
         self.crowding.add(visit)
-        column = self._last = _columns(place)
-        pulled = self._inverse @ column
-        gain = 1.0 + float(column @ pulled)
-        self._inverse -= np.outer(pulled, pulled) / gain
-        self._log_determinant += math.log(gain)
+        self._last = _columns(place)
+        self._known += np.outer(self._last, self._last)
 
     @property
     def effective_pushes(self) -> float:
         """The collection is worth so many pushes spread evenly."""
-        return math.expm1(self._log_determinant / self._inverse.shape[0])
+        return math.expm1(float(np.linalg.slogdet(self._known)[1]) / len(self._known))
 
     def state(self) -> CoverageState:
         """What is covered by now; before the first push nothing is, and every direction tells as
@@ -166,7 +160,7 @@ class Coverage:
         centre = 0.0
         cells = np.flatnonzero(self._visited)
         if cells.size:
-            gaps = np.diff(np.append(cells, cells[0] + CELLS))
+            gaps = np.diff(cells, append=cells[0] + CELLS)
             widest = int(np.argmax(gaps))
             gap = float(gaps[widest]) * (TWO_PI / CELLS)
             centre = (float(_CENTRES[cells[widest]]) + 0.5 * gap) % TWO_PI
@@ -193,7 +187,7 @@ class Coverage:
 
     def _information(self, columns: Array) -> Array:
         return np.asarray(
-            np.einsum("...i,ij,...j->...", columns, self._inverse, columns), dtype=np.float64
+            np.einsum("...i,...i->...", columns, np.linalg.solve(self._known, columns.T).T)
         )
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product
 
@@ -39,7 +39,7 @@ class MaterialRange:
         The first.
     others : tuple of Material
         With it, those that a reset is searched on.
-    told : str, default ''
+    origin : str, default ''
         In words, where they came from.
     tried : tuple of Material or None, optional
         Those that what is found is tried on besides; None: four between the others, weighted
@@ -65,7 +65,7 @@ class MaterialRange:
 
     nominal: Material
     others: tuple[Material, ...]
-    told: str = ""
+    origin: str = field(default="", metadata={"name": "told"})
     tried: tuple[Material, ...] | None = None
     sampled: bool = False
 

@@ -460,18 +460,14 @@ class _Judge:
         strategy = row.strategy
         if len(strategy.actions) == 1:
             return distances
-        shares_by_order = {}
-        for order in (IN_TURN, SHUFFLED):
-            if order == SHUFFLED or strategy.weights is None:
-                shares_by_order[order] = self.histograms(replace(strategy, order=order), turn)
+        orders = (IN_TURN, SHUFFLED) if strategy.weights is None else (SHUFFLED,)
+        shares = {order: self.histograms(replace(strategy, order=order), turn) for order in orders}
         pushes = self.demands.pushes
         steered = steered_orientations(turn, pushes, _runs(pushes, _RUNS), self.sigma, self.seed)
-        shares_by_order[STEERED] = histogram_shares(steered)
-        means = {
-            order: float(histogram_distances(shares).mean())
-            for order, shares in shares_by_order.items()
-        }
-        return {**distances, **means}
+        shares[STEERED] = histogram_shares(steered)
+        for order, runs in shares.items():
+            distances[order] = float(histogram_distances(runs).mean())
+        return distances
 
     def off_ratio(self, strategy: ResetStrategy) -> list[float]:
         """The total variation where the ratio of the friction's axes is off by shares of it, their

@@ -126,8 +126,7 @@ class ResetDemands:
                     "0 and 1"
                 )
         for name in ("within", "pushes"):
-            object.__setattr__(self, name, whole_number(name, getattr(self, name), least=1))
-            if getattr(self, name) > MOST_PUSHES:
+            if whole_number(name, getattr(self, name), least=1) > MOST_PUSHES:
                 raise InvalidInput(
                     f"{name} is {getattr(self, name)}: more than {MOST_PUSHES} are not simulated"
                 )
@@ -234,9 +233,15 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, sets: tuple[Candidates
     import pandas
 
     own_drag = float(sets[1].source.turns.drag_length[0, 0])
-    asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
-    limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
-    limits |= {name: limit for name, limit in asked.items() if limit is not None}
+    asked = {
+        TV: demands.allow_tv,
+        AFTER: demands.allow_after,
+        DRAG: demands.drag_ratio * own_drag,
+        SECONDS: demands.seconds,
+        REACH: demands.reach,
+        CONTACT: demands.contact,
+    }
+    limits = {name: limit for name, limit in asked.items() if limit is not None}
     frames = [pandas.DataFrame(_values(loop, each, REACH in limits)) for each in sets]
     rows = pandas.concat(frames, keys=range(len(sets)))
     excess = np.log(rows[list(limits)].clip(lower=1e-9) / pandas.Series(limits))

@@ -161,16 +161,14 @@ def push_set(
     )
     steepest = made.turns.steepest
     # Where every push jumps somewhere in the range, the one that is least steep.
-    chosen = (
-        np.flatnonzero(steepest <= STEEPEST)
-        if steepest.min() <= STEEPEST
-        else np.argsort(steepest)[:1]
+    chosen = np.flatnonzero(steepest <= max(STEEPEST, steepest.min()))
+    return replace(
+        made,
+        actions=tuple(made.actions[place] for place in chosen.tolist()),
+        turns=SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen]),
+        contact=made.contact[chosen],
+        kernels=made.kernels[:, chosen],
     )
-    turns = SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen])
-    least_steep = tuple(made.actions[place] for place in chosen.tolist())
-    contact = made.contact[chosen]
-    kernels = made.kernels[:, chosen]
-    return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
 
 
 def _pushes_around(

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.recordings import PushFacts, PushRecord, push_facts
-from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
+from cyclemap.evidence.tables.conventions import Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import (
     SUFFIXES,
     FileKind,
@@ -71,9 +72,10 @@ def theta0_feed(
     if not (columns or units) and tells_radians_alone(place):
         units = ("rad",)
     if columns or units or file_kind(place) is FileKind.OTHER:
-        return TableFeed(place, partial(_own_orientations, place, columns or {}, units, convention))
+        read = partial(_own_orientations, place, columns or {}, units, convention)
+        return Theta0Feed(None if place.is_dir() else place, read)
     if not place.is_dir():
-        return TableFeed(place, partial(_csv_orientations, place, convention))
+        return Theta0Feed(place, partial(_csv_orientations, place, convention))
     homes = sorted(
         {file.parent for file in place.rglob("*") if push_facts(file) is not None} or {place}
     )
@@ -81,7 +83,8 @@ def theta0_feed(
         raise InvalidInput(
             f"{place}: several folders below hold pushes: watch one, such as {homes[0]}"
         )
-    return PushFolderFeed(place if place in homes else homes[0], convention)
+    folder = _PushFolder(place if place in homes else homes[0], convention)
+    return Theta0Feed(None, folder.read)
 
 
 def _own_orientations(
@@ -121,29 +124,30 @@ def _csv_orientations(path: Path, convention: Convention, finished: bool) -> New
 
 
 @dataclass
-class TableFeed:
-    """The orientations of a table, which is read whole whenever it has changed.
+class Theta0Feed:
+    """The orientations of data that grow, all of which are read whenever they have changed.
 
-    Where its first rows are no longer what they were, it began anew: it was rotated, cut short,
-    rewritten or edited in place. Between two looks it may be away.
+    Where the first ones are no longer what they were, the data began anew: they were rotated, cut
+    short, rewritten or edited in place. Between two looks they may be away.
 
+    path : of a file, whose bytes tell whether it has changed; None of a folder.
     read : all of its orientations, with or without a last line that is still being written.
     """
 
-    path: Path
+    path: Path | None
     read: Callable[[bool], NewOrientations]
     _fed: tuple[float, ...] = ()
     _content: bytes | None = None
     _dropped: bool = False
 
     def look(self, finished: bool = False) -> NewOrientations:
-        """The θ0 of the rows added since the last look; DataFileError, with file, line and value,
-        where they cannot be read.
+        """The θ0 added since the last look; DataFileError, with file, line and value, where they
+        cannot be read.
 
         Unless ``finished`` a file that holds no whole row, or is away after the first look, is
         waited for.
         """
-        if finished or self.path.is_dir():
+        if finished or self.path is None:
             return self._fresh(self.read(finished))
         try:
             content = read_bytes(self.path, MOST_BYTES)
@@ -170,7 +174,7 @@ class TableFeed:
 
 
 @dataclass
-class PushFolderFeed:
+class _PushFolder:
     """The first orientation of each recorded push in a folder (MIT layout), by repetition, then by
     name.
 
@@ -181,13 +185,12 @@ class PushFolderFeed:
     """
 
     path: Path
-    convention: Convention = OURS
-    _taken: set[Path] = field(default_factory=set)
+    convention: Convention
+    _taken: dict[Path, tuple[float, ...]] = field(default_factory=dict)
     _doubtful: tuple[Path, int, int] | None = None
-    _dropped: bool = False
 
-    def look(self, finished: bool = False) -> NewOrientations:
-        """The θ0 of the files added since the last look, none while the folder is away.
+    def read(self, finished: bool) -> NewOrientations:
+        """All θ0 so far, none while the folder is away.
 
         DataFileError for a damaged file, and for a folder that cannot be listed.
         ``finished``: also for a link to nothing, and for a folder that is absent or holds no push.
@@ -199,7 +202,6 @@ class PushFolderFeed:
                 raise DataFileError(
                     f"{self.path}: there is no such folder; check the path"
                 ) from error
-            self._dropped = self._dropped or bool(self._taken)
             self._taken.clear()
             return NewOrientations(())
         except OSError as error:
@@ -207,7 +209,7 @@ class PushFolderFeed:
             raise DataFileError(
                 f"{self.path}: cannot be read ({reason}); give a folder that can be listed"
             ) from error
-        theta = self._theta_of(fresh, finished)
+        self._take(fresh, finished)
         if finished and not self._taken:
             below = next(
                 (file.parent for file in sorted(filter(is_record, self.path.rglob("*")))), None
@@ -216,10 +218,7 @@ class PushFolderFeed:
             raise DataFileError(
                 f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)}){where}"
             )
-        # What was fed stands until there is something to begin anew with.
-        began_anew = self._dropped and bool(theta)
-        self._dropped = self._dropped and not theta
-        return NewOrientations(theta, began_anew)
+        return NewOrientations(tuple(chain(*self._taken.values())))
 
     def _unread(self, finished: bool) -> list[Path]:
         """The files that were not taken yet, by repetition, then by name."""
@@ -236,9 +235,8 @@ class PushFolderFeed:
                 )
         return sorted(filter(Path.is_file, listed), key=_order)
 
-    def _theta_of(self, fresh: list[Path], finished: bool) -> tuple[float, ...]:
-        """The θ0 of the files, rad, up to one that is still being written."""
-        theta: list[float] = []
+    def _take(self, fresh: list[Path], finished: bool) -> None:
+        """Read the θ0 of the files, rad, up to one that is still being written."""
         for file in fresh:
             try:
                 record = read_push_file(file)
@@ -251,14 +249,10 @@ class PushFolderFeed:
                 raise DataFileError(
                     f"{file}: cannot be read ({said}); restore it or remove it"
                 ) from error
-            self._taken.add(file)
+            self._taken[file] = ()
             # A friction scan has none.
-            theta += (
-                [self.convention.theta(float(record.start[2]))]
-                if isinstance(record, PushRecord)
-                else []
-            )
-        return tuple(theta)
+            if isinstance(record, PushRecord):
+                self._taken[file] = (self.convention.theta(float(record.start[2])),)
 
     def _stale(self, file: Path) -> bool:
         """True where the file is as it was at the look before; not where it has gone."""
@@ -276,6 +270,3 @@ def _order(file: Path) -> tuple[float, str]:
     """By repetition, those without one last, then by name."""
     repetition = (push_facts(file) or PushFacts()).repetition
     return math.inf if math.isnan(repetition) else repetition, file.name
-
-
-Theta0Feed = TableFeed | PushFolderFeed

@@ -165,18 +165,13 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             quoted = ", ".join(f'"{name}"' for name in names)
             for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
                 stored = dict(zip(names, row, strict=True))
-                stored.update(
-                    {
-                        name: tuple(json.loads(stored[name]))
-                        for name in lists
-                        if stored[name] is not None
-                    }
-                )
-                # Swept points, as against words.
-                texts = {key: stored[key] for key in keys if str(stored[key]).startswith("[[")}
-                stored.update(
-                    {key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()}
-                )
+                for name in lists:
+                    if stored[name] is not None:
+                        stored[name] = tuple(json.loads(stored[name]))
+                for key in keys:
+                    # Swept points, as against words.
+                    if str(stored[key]).startswith("[["):
+                        stored[key] = tuple(map(tuple, json.loads(stored[key])))
                 yield stored
 
     def add(self, outcomes: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
@@ -185,17 +180,9 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         marks = ", ".join("?" * (len(keys) + len(scalars) + len(lists) + 4))
         rows = []
         for point, outcome in outcomes:
-            row: list[object] = [
-                point.digest,
-                point.number,
-                *(_kept(point.swept[key]) for key in keys),
-            ]
-            row += [_kept(outcome.values.get(name)) for name in scalars]
-            row += [
-                None if name not in outcome.values else json.dumps(outcome.values[name])
-                for name in lists
-            ]
-            row.append(outcome.refusal)
+            swept = [_kept(point.swept[key]) for key in keys]
+            values = [_kept(outcome.values.get(name)) for name in (*scalars, *lists)]
+            row = [point.digest, point.number, *swept, *values, outcome.refusal]
             rows.append((*row, _seal(row)))
         with self._faults_told(), self._transaction():
             self.connection.executemany(f"INSERT OR IGNORE INTO points VALUES ({marks})", rows)

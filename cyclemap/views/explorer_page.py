@@ -28,7 +28,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence import Theta0Pairs
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER
 from cyclemap.mechanics import Ellipse
 from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
 from cyclemap.plain_text import typeset
@@ -37,6 +36,7 @@ from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES
 from cyclemap.views import sentences
 from cyclemap.views.panels.layout import render
 from cyclemap.views.portrait_page import portrait_page
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
 WORKER = ("engine.js", "circle.js", "worker.js")
@@ -76,7 +76,7 @@ class Section:
     @property
     def image(self) -> str:
         """The picture as an address of its own."""
-        return f"data:image/png;base64,{base64.b64encode(self.picture).decode()}"
+        return f"data:image/png;base64,{_base64(self.picture)}"
 
 
 @dataclass(frozen=True)
@@ -89,9 +89,7 @@ class Download:
     @property
     def address(self) -> str:
         """The file as an address of its own."""
-        return (
-            f"data:text/plain;charset=utf-8;base64,{base64.b64encode(self.text.encode()).decode()}"
-        )
+        return f"data:text/plain;charset=utf-8;base64,{_base64(self.text.encode())}"
 
 
 def page_html(
@@ -129,7 +127,7 @@ def page_html(
             key: f"{value:.10g}" if isinstance(value, float) else str(value)
             for key, value in settings.items()
         },
-        "wasm": base64.b64encode(wasm_engine()).decode(),
+        "wasm": _base64(wasm_engine()),
     }
     style = "\n".join(_file(name) for name in ("page.css", "uplot/uPlot.min.css"))
     plot = _file("uplot/uPlot.iife.min.js")
@@ -144,7 +142,7 @@ def page_html(
     )
     return page.from_string(_file("page.html")).render(
         data=data,
-        picture=base64.b64encode(_still(shown)).decode(),
+        picture=_base64(_still(shown)),
         policy=policy,
         style=style,
         plot=plot,
@@ -224,7 +222,11 @@ def _stories(loop: CollectionLoop) -> dict[str, object]:
 
 
 def _digest(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+    return f"'sha256-{_base64(hashlib.sha256(text.encode()).digest())}'"
+
+
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode()
 
 
 def _file(name: str) -> str:

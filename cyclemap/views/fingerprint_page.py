@@ -62,8 +62,9 @@ def draw_responses(axes: Axes, fingerprint: Fingerprint, ellipse: bool) -> None:
     """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the
     orientation.
     """
-    parts = {"cycle": fingerprint.cycle, "drag": fingerprint.drag, "push": fingerprint.push}
-    answers = {name: _response(response, ellipse) for name, response in parts.items()}
+    answers = {
+        name: _response(getattr(fingerprint, name), ellipse) for name in ("cycle", "drag", "push")
+    }
     orientation.draw_turns(axes, CIRCLE, answers)
     seen = (
         "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
@@ -107,7 +108,7 @@ def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
 
 def protocol_sentence(fingerprint: Fingerprint) -> str:
     """What the protocol does, in a sentence."""
-    whole, parts = (
+    whole, strokes = (
         fingerprint.cycle,
         f"push {angle(fingerprint.push.turn)}, drag {angle(fingerprint.drag.turn)}",
     )
@@ -115,7 +116,7 @@ def protocol_sentence(fingerprint: Fingerprint) -> str:
         angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude)
     )
     return (
-        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({parts}); an "
+        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({strokes}); an "
         f"offset of 1 % changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}, "
         "a floor with a bow of 0.1 mean pressures at 50 mm by up to "
         f"{angle(0.1 * whole.bow_amplitude, 2)}."

@@ -4,7 +4,6 @@ staircase and turns.
 
 import math
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,6 +24,8 @@ from cyclemap.views.panels.layout import Panel, draw_panels, page, rows_of
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
+    SEEN,
+    SEEN_BARS,
     draw_law,
     draw_measured,
     draw_outcome,
@@ -36,7 +37,6 @@ from cyclemap.views.panels.orientation import (
 )
 from cyclemap.views.panels.style import (
     BAND,
-    BARS,
     LINE,
     SECOND,
     Look,
@@ -96,9 +96,9 @@ def _cycle_panels(measured: MeasuredCycleMap | None) -> list[Panel]:
     return panels
 
 
-def draw_motion_law(axes: Axes, law: MotionLaw, **look: Any) -> None:
+def draw_motion_law(axes: Axes, law: MotionLaw, look: Look = SEEN) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
-    draw_outcome(axes, law.theta, law.value, law.quantity, **look)
+    draw_outcome(axes, law.theta, law.value, law.quantity, look)
     if law.law is None:
         say(axes, "no law")
     else:
@@ -124,11 +124,10 @@ def draw_worn_turns(axes: Axes, measured: MeasuredCycleMap) -> None:
     keep_to(axes, turns, min(ends), max(ends))
 
 
-def draw_turn_histogram(axes: Axes, histogram: TurnHistogram, **look: Any) -> None:
+def draw_turn_histogram(axes: Axes, histogram: TurnHistogram, look: Look = SEEN_BARS) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    bars = {**BARS, "label": "measured", **look}
-    axes.stairs(histogram.measured, edges, fill=True, **bars)
+    axes.stairs(histogram.measured, edges, fill=True, **look)
     axes.stairs(histogram.predicted, edges, label="law with scatter", **LINE)
     # A law alone piles up where it is flat: columns that run out of the panel are told by their
     # height.

@@ -45,7 +45,6 @@ def portrait_page(
         sentences.headline(portrait),
         words,
         foot,
-        cycle_key(portrait.cycle),
         width_ratios=(5.2, 2.75, 3.2),
     )
     turn, cobweb, push, density, staircase, drag = panels
@@ -99,7 +98,7 @@ def _words(portrait: Portrait, measured: MeasuredOverlay | None) -> tuple[list[s
     ]
     inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
     how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"
-    foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
+    foot = [cycle_key(portrait.cycle), sentences.parameters_line(portrait), f"{inferred}{how}"]
     if measured is not None:
         foot.append(sentences.agreement_sentence(measured.agreement))
     return words, "\n".join(foot)
@@ -185,7 +184,7 @@ def run_sentence(forecast: StaircaseForecast) -> str:
     """What was found in the one run that is drawn."""
     return (
         f"In one run of {forecast.staircase.cycles} cycles (seed {forecast.staircase.seed}) it "
-        f"{_found(forecast.steps)}."
+        f"{_course_words(forecast.steps)}."
     )
 
 
@@ -197,7 +196,9 @@ def measured_sentence(measured: MeasuredStaircase) -> str:
         if math.isfinite(pace)
         else "it ended where it began"
     )
-    return f"In the {len(measured.path)} measured cycles it {_found(measured.steps)}; {turned}."
+    return (
+        f"In the {len(measured.path)} measured cycles it {_course_words(measured.steps)}; {turned}."
+    )
 
 
 def fitted_sentence(measured: MeasuredStaircase) -> str:
@@ -225,7 +226,7 @@ def _pace_clause(prediction: StaircaseSummary) -> str:
     return "none to be expected" if pace is None or pace > 1e9 else f"one in {cycles(pace)}"
 
 
-def _found(steps: Steps) -> str:
+def _course_words(steps: Steps) -> str:
     if not steps.levels.size:
         return "rests nowhere"
     if not steps.count:

@@ -207,8 +207,8 @@ def _draw_recorded(
     """How often each orientation was recorded in run and data, and is in the long run."""
     shown = None if measured is None else angle_histogram(measured, _BINS)
     draw_recorded(axes, shown)
-    look = {**BAND, "linewidth": 1.0}
-    draw_histogram(axes, angle_histogram(theta, _BINS), "this run", fill=True, **look)
+    look = {**BAND, "linewidth": 1.0, "label": "this run", "fill": True}
+    draw_histogram(axes, angle_histogram(theta, _BINS), look)
     if law is not None:
         axes.plot(PER_DEGREE * law.density, label="long run", **LINE)
 
@@ -380,7 +380,7 @@ def worst_words(about: MaterialRange) -> str:
     >>> worst_words(material_range(load_material("pu"))).partition(" (")[0]
     'at most in 95 % of its posterior, with 95 % confidence'
     """
-    remark = f" ({about.told})" if about.told else ""
+    remark = f" ({about.origin})" if about.origin else ""
     if about.sampled:
         share, confidence = 100.0 * about.share, 100.0 * about.confidence
         return (

@@ -157,7 +157,12 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
 
 
 def _ends(interval: DirectionInterval) -> str:
-    decimals, low, high = _decimals(interval), interval.lower, interval.upper
+    """Where an interval begins and ends; one of more than half a turn tells no direction."""
+    low = interval.lower
+    high = interval.upper
+    if high - low > math.pi:
+        return "any direction"
+    decimals = _decimals(interval)
     ends = (
         angle(low, decimals),
         angle(high % TWO_PI if high > TWO_PI else high, decimals),
@@ -381,14 +386,14 @@ def parameters_line(portrait: Portrait) -> str:
     )
     if math.isclose(law.mu_a, law.mu_b, rel_tol=1e-5) and law.m0 == law.n0 == 0.0:
         friction = f"friction {law.mu_a:.3g} all around"
-    parts = [friction]
+    clauses = [friction]
     if isinstance(loop.footprint, PressedFootprint):
         shapes = {"floor": loop.footprint.floor, "plate": loop.footprint.plate}
-        parts += [
+        clauses += [
             f"{name} {shape_words(shape)}" for name, shape in shapes.items() if not shape.is_flat
         ]
-    parts.append(f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:.3g}")
-    return "  ·  ".join([*parts, f"ring at ({ring_x:.1f}, {ring_y:.1f}) mm"])
+    clauses.append(f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:.3g}")
+    return "  ·  ".join([*clauses, f"ring at ({ring_x:.1f}, {ring_y:.1f}) mm"])
 
 
 def shape_words(shape: SurfaceShape) -> str:

@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from scipy.ndimage import binary_dilation, binary_opening
@@ -149,10 +148,8 @@ def key_words(key: str) -> str:
     >>> key_words("hitch_x_mm"), key_words("pin_friction_mm")
     ('ring x', 'pin friction')
     """
-    unit = key.rpartition("_")[2]
-    return SWEPT[key].label or key.removesuffix(f"_{unit}" if unit in KEY_UNITS else "").replace(
-        "_", " "
-    )
+    name, _, unit = key.rpartition("_")
+    return SWEPT[key].label or (name if unit in KEY_UNITS else key).replace("_", " ")
 
 
 def label(words: str, unit: str) -> str:
@@ -184,8 +181,7 @@ def draw_swept_plane(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
         draw_rotation_plane(axes, without_specks(rotation_plane(sweep)), *labels)
     else:
         look, ticks = _shades(values)
-        scale = draw_shades(axes, first, second, values, quantity_label(quantity), **look)
-        _mark_counts(scale, ticks)
+        draw_shades(axes, first, second, values, quantity_label(quantity), ticks, **look)
         axes.set(xlabel=labels[0], ylabel=labels[1])
     refused = np.zeros(sweep.shape, dtype=bool)
     refused[sweep.places()] = sweep.refused
@@ -203,12 +199,6 @@ def rotation_plane(sweep: Sweep) -> RotationPlane:
     slope = sweep.on_grid("min_slope") if "min_slope" in sweep.table else np.zeros(sweep.shape)
     first, second = (axis.positions for axis in sweep.axes)
     return RotationPlane(first, second, value, lower, upper, period, winding, slope < 0.0, 0.0)
-
-
-def _mark_counts(scale: Colorbar, counts: Array | None) -> None:
-    """A tick for each count on a scale of shades; as they are for what runs on."""
-    if counts is not None:
-        scale.set_ticks(counts.tolist())
 
 
 def without_specks(plane: RotationPlane) -> RotationPlane:
@@ -315,7 +305,7 @@ def draw_swept_scatter(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     known, refused = np.isfinite(values), sweep.refused
     look |= {"edgecolor": QUIET, "linewidth": 0.6, "zorder": 3}
     dots = axes.scatter(first[known], second[known], c=values[known], s=size, **look)
-    _mark_counts(scale_beside(axes, dots, quantity_label(quantity)), ticks)
+    scale_beside(axes, dots, quantity_label(quantity), ticks)
     if refused.any():
         place = first[refused], second[refused]
         axes.plot(*place, "x", color=INK, markersize=5, label="refused", zorder=4)

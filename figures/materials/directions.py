@@ -117,8 +117,8 @@ def draw_theta0_histograms(result: tuple[MaterialDirections, ...]) -> Figure:
 
 def _draw_directions(axes: Axes, panel: MaterialDirections) -> None:
     draw_recorded(axes, panel.recorded)
-    look = {**SECOND, "linestyle": "-"}
-    draw_histogram(axes, panel.simulated, "simulated", **look)
+    look = {**SECOND, "linestyle": "-", "label": "simulated"}
+    draw_histogram(axes, panel.simulated, look)
     around, density = np.degrees(CIRCLE), PER_DEGREE * panel.density
     axes.plot(around, density, label="stationary density", **LINE)
     top = 1.3 * axes.dataLim.y1

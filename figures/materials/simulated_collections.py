@@ -28,7 +28,7 @@ from cyclemap.maps import (
 )
 from cyclemap.views.panels.layout import Panel, grid_of, picture
 from cyclemap.views.panels.orientation import OUTCOMES
-from cyclemap.views.panels.style import QUIET, Look
+from cyclemap.views.panels.style import BARS, DOTS, QUIET, Look
 
 from ..catalogue import MeasuredFolder
 from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics
@@ -268,8 +268,14 @@ def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> lis
 
 PANEL_INCHES = (5.2, 3.7)
 # What simulated pushes look like where the same is drawn of measured ones: grey.
-SIMULATED_DOTS: Look = {"label": "simulated", "color": QUIET, "markeredgecolor": QUIET}
-SIMULATED_BARS: Look = {"label": "simulated", "facecolor": "#c4c4c4", "edgecolor": QUIET}
+_GREY: Look = {"label": "simulated", "color": QUIET, "markeredgecolor": QUIET}
+SIMULATED_DOTS: Look = {**DOTS, **_GREY}
+SIMULATED_BARS: Look = {
+    **BARS,
+    "label": "simulated",
+    "facecolor": "#c4c4c4",
+    "edgecolor": QUIET,
+}
 
 
 def draw_materials(panels: Sequence[Panel]) -> Figure:

@@ -16,7 +16,13 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_motion_law, draw_turn_histogram
-from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES, draw_curves, draw_measured
+from cyclemap.views.panels.orientation import (
+    CIRCLE,
+    OUTCOMES,
+    SEEN_BARS,
+    draw_curves,
+    draw_measured,
+)
 from cyclemap.views.panels.style import FOURTH, SECOND, say
 from cyclemap.views.sentences import angle, listed
 
@@ -104,11 +110,11 @@ def draw_turns_over_theta0(result: tuple[MaterialTurns, ...]) -> Figure:
 
 def _draw_turns(axes: Axes, panel: MaterialTurns) -> None:
     if panel.measured is None:
-        draw_motion_law(axes, panel.law, **SIMULATED_DOTS)
+        draw_motion_law(axes, panel.law, SIMULATED_DOTS)
     else:
         draw_motion_law(axes, panel.law)
-        pushes = panel.run.pushes
-        draw_measured(axes, pushes.theta, np.degrees(pushes.dtheta), **SIMULATED_DOTS, zorder=1)
+        pushes, look = panel.run.pushes, {**SIMULATED_DOTS, "zorder": 1}
+        draw_measured(axes, pushes.theta, np.degrees(pushes.dtheta), look)
     names = ("mechanics",) if len(panel.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
     curves = dict(zip(names, panel.curves, strict=True))
     draw_curves(axes, CIRCLE, curves, (SECOND, FOURTH))
@@ -243,7 +249,8 @@ def _draw_histogram(axes: Axes, panel: TurnPanel) -> None:
         say(axes, "no law")
         axes.set_ylabel("pushes")
     else:
-        draw_turn_histogram(axes, panel.histogram, **({} if panel.recorded else SIMULATED_BARS))
+        look = SEEN_BARS if panel.recorded else SIMULATED_BARS
+        draw_turn_histogram(axes, panel.histogram, look)
         low, high = np.degrees(np.quantile(panel.law.value, [0.002, 0.998]))
         axes.set_xlim(low - 0.1 * (high - low), high + 0.1 * (high - low))
     whole = "turn of the whole cycle, push and drag (°)"

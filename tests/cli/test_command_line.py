@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cyclemap.cli.main import run
+from cyclemap.cli.main import cli, run
 
 CYCLE_KEYS = [
     "theta0_deg",
@@ -136,6 +136,14 @@ def test_a_portrait_does_without_scipy(here) -> None:
         "sys.exit(code or 'scipy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=here).returncode == 0
+
+
+def test_no_two_parameters_of_a_command_fill_one_field() -> None:
+    """Groups of options that meet in a command would else overwrite each other without a word."""
+    for name, command in cli.commands.items():
+        fields = [parameter.name for parameter in command.params]
+        flags = [flag for parameter in command.params for flag in parameter.opts]
+        assert len(fields) == len({*fields}) and len(flags) == len({*flags}), name
 
 
 def test_no_command_shows_the_help_and_exits_2(capsys) -> None:

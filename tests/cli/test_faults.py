@@ -123,7 +123,7 @@ BAD_USES = [
     (["watch", "bad.csv", "--every", "0"], "--every"),
     *(([*FOLLOW, wait], "0.01<=x<=86400") for wait in ("inf", "1e12", "86400.1", "0.001", "-1")),
     ([*FOLLOW, "nan"], "nan is in no range"),
-    (["watch", "bad.csv", "--columns", "yaw"], "give it as theta0=yaw"),
+    (["watch", "bad.csv", "--columns", "yaw"], "is not of the form theta0=yaw"),
     (["watch", "own.csv"], "say which, --columns theta0=NAME; it has speed, force"),
     (
         ["watch", "far.csv"],

@@ -204,7 +204,7 @@ def test_no_answer_from_any_start_is_a_failure(here, refused) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("place", "made"), [("os.fsync", True), ("cyclemap.cli.collected.run_identify.render", False)]
+    ("place", "made"), [("os.fsync", True), ("cyclemap.views.panels.layout.render", False)]
 )
 def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch, place, made) -> None:
     """All files are made before the first is written."""

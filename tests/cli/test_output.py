@@ -15,11 +15,11 @@ from rich.table import Table
 
 from cyclemap.cli import output
 from cyclemap.cli.commands import ReportOptions
-from cyclemap.cli.json_report import json_text
 from cyclemap.cli.main import cli, run
 from cyclemap.cli.options import parameters, said_command
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar
 from cyclemap.text_files import write_whole
+from cyclemap.written import json_text
 
 
 def test_a_written_file_is_whole_readable_and_alone_and_stays_where_the_next_write_fails(

@@ -3,13 +3,12 @@ another's place.
 """
 
 import json
-from pathlib import Path
 
 import pytest
 
 from cyclemap import CollectionLoop
 from cyclemap.cli.main import run
-from cyclemap.cli.output import result_stem
+from cyclemap.cli.output import result_name
 from cyclemap.protocol import loop_from_settings
 
 TABLE = 'name = "table"\n[friction]\nmu_a = 0.26\nmu_b = 0.2\n'
@@ -43,8 +42,5 @@ def test_a_sweep_of_an_object_is_stored_by_its_name(here, capsys) -> None:
 def test_a_name_borrowed_from_the_square_is_told(name) -> None:
     """An object of another outline that is called rect1, and one without a name."""
     loop = loop_from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": name})
-    assert (
-        result_stem(Path("out"), "portrait", loop).name
-        == f"portrait_{name.replace(' ', '_')}_on_plywood"
-    )
-    assert result_stem(Path("out"), "portrait", CollectionLoop.mit()).name == "portrait_plywood"
+    assert result_name("portrait", loop) == f"portrait_{name.replace(' ', '_')}_on_plywood"
+    assert result_name("portrait", CollectionLoop.mit()) == "portrait_plywood"

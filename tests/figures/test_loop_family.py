@@ -103,6 +103,6 @@ def test_a_fold_of_the_mechanics_is_a_touch_of_the_diagonal() -> None:
 
 def test_bad_input_is_refused_by_name_and_a_start_without_fold_does_not_converge() -> None:
     refused(with_ring_at, PLYWOOD, 0.0, told="ring radius")
-    refused(with_anisotropy_times, PLYWOOD, -0.5, told="scale of the anisotropy")
+    refused(with_anisotropy_times, PLYWOOD, -0.5, told="offset")
     flat = partial(with_ring_at, with_anisotropy_times(PLYWOOD, 1e-3))
     refused(ring_fold, flat, 1.0, 0.008, told="no saddle-node", kind=ConvergenceError)

@@ -504,8 +504,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         LAWS,
         [
             (
-                "total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)",
-                "total += shared + shared.T",
+                "window = 1.0 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1.0)",
+                "window = np.ones(2 * lags + 1)",
             ),
             (
                 "covariance = inverse @ total @ inverse * (count / free)",
@@ -756,7 +756,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     ),
     "evidence/laws/turn_bins.py": (
         f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
-        [("high if high >= low else high + TWO_PI", "high")],
+        [("np.where(high >= low, high, high + TWO_PI)", "high")],
     ),
     "evidence/pushes/push_files.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
@@ -791,10 +791,13 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "evidence/tables/own_rows.py": (
+    "evidence/tables/own_tables.py": (
         TABLES,
         [
-            ('rows["repetition"] = _numbers_apart(number, rows)', 'rows["repetition"] = number'),
+            (
+                'rows["repetition"] = _numbers_apart(repetition, rows)',
+                'rows["repetition"] = repetition',
+            ),
             ("np.diff(_collections(rows)) == 0.0", "np.diff(_collections(rows)) < 9.0"),
         ],
     ),
@@ -960,8 +963,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_coverage.py tests/resets",
         [
             (
-                "self._inverse -= np.outer(pulled, pulled) / gain",
-                "self._inverse += np.outer(pulled, pulled) / gain",
+                "self._known += np.outer(self._last, self._last)",
+                "self._known += self._last",
             ),
             ("widest = int(np.argmax(gaps))", "widest = int(np.argmin(gaps))"),
             ("best = int(np.argmin(crowding))", "best = int(np.argmax(crowding))"),

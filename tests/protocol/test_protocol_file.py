@@ -15,7 +15,6 @@ from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.mechanics import (
     DragBack,
     Ellipse,
@@ -31,6 +30,7 @@ from cyclemap.mechanics.footprint import grid_footprint
 from cyclemap.protocol import loop_from_settings, read_protocol, write_protocol
 from cyclemap.protocol.protocol_file import protocol_text
 from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, decimal_text
 
 LOOP = CollectionLoop.mit()
 

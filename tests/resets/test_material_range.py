@@ -66,7 +66,7 @@ def test_a_material_with_a_posterior_is_searched_on_some_samples_and_judged_on_o
     )
     about = material_range(replace(SLATE, posterior=replace(SLATE.posterior, samples=long)))
     assert (
-        about.told == "71 of the 200 samples of its posterior"
+        about.origin == "71 of the 200 samples of its posterior"
         and about.nominal.friction == SLATE.friction
     )
     assert (len(about.searched), len(about.tried), len(about.materials)) == (13, 59, 72)
@@ -78,7 +78,7 @@ def test_a_material_with_a_posterior_is_searched_on_some_samples_and_judged_on_o
         replace(SLATE, posterior=replace(SLATE.posterior, samples=SLATE.posterior.samples[:3]))
     )
     assert (
-        few.told == "3 of the 3 samples of its posterior"
+        few.origin == "3 of the 3 samples of its posterior"
         and len(few.searched) == 3
         and len(few.tried) == 1
     )

@@ -221,10 +221,10 @@ def test_a_material_with_a_narrow_posterior_is_designed_for_by_that() -> None:
     wide, narrow = (
         design_reset(replace(LOOP, material=one), demands) for one in (LOOP.material, known)
     )
-    assert len(wide.chosen.strategy.actions) == 36 and wide.about.told.startswith("axis ratio")
+    assert len(wide.chosen.strategy.actions) == 36 and wide.about.origin.startswith("axis ratio")
     assert (
         len(narrow.chosen.strategy.actions) == 4
-        and narrow.about.told == "6 of the 6 samples of its posterior"
+        and narrow.about.origin == "6 of the 6 samples of its posterior"
     )
     worst = []
     for sample in (known.sample(k) for k in range(6)):

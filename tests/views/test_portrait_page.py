@@ -9,12 +9,18 @@ from drawn_words import assert_words_apart
 from matplotlib.colors import to_rgb
 
 from cyclemap.cli.run_portrait import portrait_report
-from cyclemap.collection import CollectionLoop, portrait
+from cyclemap.collection import CollectionLoop, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
-from cyclemap.maps import CircleMap, Estimate, WrappedNormal, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    Estimate,
+    StaircaseSummary,
+    WrappedNormal,
+    transfer_operator,
+)
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences
 from cyclemap.views.panels import style
@@ -90,15 +96,23 @@ def test_headline_and_sentence_tell_where_it_locks_and_how_fast_or_the_pace(draw
     assert sentences.lock_sentence(drawn("jumping")[0]) == "Orbits gather about the jump at 114.6°."
 
 
+def foretelling(found: Portrait, prediction: StaircaseSummary) -> Portrait:
+    """The portrait as if map and noise had led to this prediction."""
+    changed = replace(found)
+    vars(changed)["prediction"] = prediction
+    return changed
+
+
 def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
     found = drawn("locked")[0]
     (zone,) = found.prediction.zones
     short = replace(found.prediction, zones=(replace(zone, residence_cycles=Estimate(45.0, 0.1)),))
-    resting = replace(found, prediction=short)
+    resting = foretelling(found, short)
     assert sentences.headline(resting) == f"plywood rests at {both(18.3)}, for 45 cycles at a time"
-    brief = replace(resting, staircase=replace(found.staircase, theta=found.staircase.theta[:41]))
+    run = replace(found.staircase, theta=found.staircase.theta[:41])
+    brief = foretelling(replace(found, staircase=run), short)
     assert sentences.headline(brief) == f"plywood locks into {both(18.3)}"
-    unknown = replace(found, prediction=replace(found.prediction, zones=()))
+    unknown = foretelling(found, replace(found.prediction, zones=()))
     assert sentences.headline(unknown) == f"plywood rests at {both(18.3)}"
 
 
@@ -144,14 +158,13 @@ def test_sentences_of_noise_staircase_agreement_and_parameters_carry_the_numbers
     assert "With 1.1° of noise a cycle the recorded directions peak at" in sentences.noise_sentence(
         found
     )
-    flat = replace(
-        found, prediction=replace(found.prediction, step=None, mean_turn=math.radians(4.321))
-    )
+    level = replace(found.prediction, step=None, mean_turn=math.radians(4.321))
+    flat = foretelling(found, level)
     assert sentences.staircase_sentence(flat).endswith("on average θ0 moves 4.32° a cycle.")
     steps = replace(
         found.prediction, step=2 * math.pi, mean_residence_cycles=257.4, mean_turn=math.radians(0.9)
     )
-    said = sentences.staircase_sentence(replace(found, prediction=steps))
+    said = sentences.staircase_sentence(foretelling(found, steps))
     assert (
         "rests 257 cycles on a step, steps are 360° high, and on average θ0 moves 0.90° a cycle"
         in said
@@ -213,7 +226,14 @@ def test_a_long_list_of_errors_is_told_in_its_first_clauses() -> None:
 
 
 @pytest.mark.parametrize(
-    ("width", "told"), [(0.5, "84.0° to 84.5°"), (0.03, "84.000° to 84.030°"), (0.0, "84.000°")]
+    ("width", "told"),
+    [
+        (0.5, "84.0° to 84.5°"),
+        (0.03, "84.000° to 84.030°"),
+        (0.0, "84.000°"),
+        (170.0, "84° to 254°"),
+        (340.0, "at any direction (in 100% of samples)"),
+    ],
 )
 def test_the_ends_of_an_interval_are_told_apart(width, told) -> None:
     ends = math.radians(84.0), math.radians(84.0 + width)

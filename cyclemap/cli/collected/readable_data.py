@@ -4,12 +4,11 @@ read as what is said.
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 
-from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.options import TableOptions
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import UnreadableFile, load_pushes
@@ -19,12 +18,26 @@ from cyclemap.evidence.tables.data_kinds import FileKind, file_kind, is_csv
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.evidence.tables.planned_table import filled_text
 from cyclemap.evidence.tables.pose_streams import Segments, UnclearStream
-from cyclemap.plain_text import key_and_value, plain_number
+from cyclemap.plain_text import key_and_value, number_or_nan
 from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import file_stem, read_csv_table, write_whole
 from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import stream_page
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, written
 
+# What a push changes, what is known of it, and what these are written in.
+UNITS = {"dtheta": DEGREES, "dx": MILLIMETRES, "dy": MILLIMETRES}
+# The same where the unit is said elsewhere.
+PLAIN_UNITS = {name: Unit("", unit.of_si) for name, unit in UNITS.items()}
+FACT_UNITS = {
+    "surface": NUMBER,
+    "object": NUMBER,
+    "acceleration": Unit("mm_s2", MILLIMETRES.of_si),
+    "speed": Unit("mm_s", MILLIMETRES.of_si),
+    "side": NUMBER,
+    "fraction": NUMBER,
+    "angle": DEGREES,
+}
 # Facts by which pushes are selected, and the names of these in the files.
 SELECT_KEYS = {
     unit.named(fact): fact for fact, unit in FACT_UNITS.items() if fact != "acceleration"
@@ -145,10 +158,7 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
         column = SELECT_KEYS[key]
         values[column] = text
         if column not in ("surface", "object"):
-            try:
-                values[column] = value = plain_number(text) / FACT_UNITS[column].of_si(1.0)
-            except ValueError:
-                value = math.nan
+            values[column] = value = number_or_nan(text) / FACT_UNITS[column].of_si(1.0)
             if not math.isfinite(value):
                 raise InvalidInput(f"--select {key}={text}: give a finite number")
     return values
@@ -159,3 +169,12 @@ def reasons_of(left_out: Sequence[UnreadableFile]) -> list[str]:
     named = [f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED]]
     more = len(left_out) - MOST_NAMED
     return [*named, f"and {more} more"] if more > 0 else named
+
+
+def facts_report(facts: Mapping[str, object], *left_out: str) -> Json:
+    """What the pushes of a set share, None where it is not known."""
+    return {
+        unit.named(name): written(facts.get(name), unit)
+        for name, unit in FACT_UNITS.items()
+        if name not in left_out
+    }

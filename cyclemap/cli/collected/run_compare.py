@@ -1,14 +1,20 @@
 """`cyclemap compare`: a prediction beside data, in sentences, tables, JSON and a picture."""
 
 import math
+from functools import partial
 
 from rich.table import Table
 
-from cyclemap.cli.collected.readable_data import readable_data, selected_values
+from cyclemap.cli.collected.readable_data import (
+    PLAIN_UNITS,
+    UNITS,
+    facts_report,
+    readable_data,
+    selected_values,
+)
 from cyclemap.cli.collected.run_fit import QUANTITIES
 from cyclemap.cli.commands import CompareOptions
-from cyclemap.cli.json_report import PLAIN_UNITS, UNITS, comparison_report, facts_report
-from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import comparison_report, people_table, progress_bar, publish, result_name
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
@@ -28,7 +34,17 @@ from cyclemap.views.compare_page import (
     trust_sentences,
     verdicts,
 )
-from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, degrees, json_of, written
+from cyclemap.written import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    Json,
+    Unit,
+    degrees,
+    if_known,
+    json_of,
+    written,
+)
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
 
@@ -58,8 +74,8 @@ def run_compare(asked: CompareOptions) -> None:
     publish(
         compare_report(name, compared),
         compare_page(name, compared, turn_curve(compared.prediction.map_at(compared.middle))),
-        result_stem(asked.results.out, "compare", loop),
         asked.results,
+        result_name("compare", loop),
         headline(name, compared),
         data_sentence(compared),
         *compared.data.reading,
@@ -110,7 +126,6 @@ def _push_cells(quantity: QuantityAgreement) -> list[str]:
     ]
 
 
-_TEST = ("statistic", "value")
 _PER_DEGREE = Unit("per_deg", math.radians)
 
 
@@ -140,12 +155,10 @@ def compare_report(material: str, compared: Comparison) -> Json:
         },
         "pushes": [*map(_pushes, compared.pushes)],
         "ends_off": ends_off,
-        "cycle": None if compared.cycle is None else _cycle(compared.cycle),
-        "orientations": None
-        if compared.orientations is None
-        else _orientations(compared.orientations),
-        "directions": None if compared.directions is None else _directions(compared.directions),
-        "staircase": None if compared.staircase is None else _staircase(compared.staircase),
+        "cycle": if_known(_cycle, compared.cycle),
+        "orientations": if_known(_orientations, compared.orientations),
+        "directions": if_known(_directions, compared.directions),
+        "staircase": if_known(_staircase, compared.staircase),
         "verdicts": written(verdicts(compared)),
         "uncertified": list(compared.uncertified),
     }
@@ -171,18 +184,19 @@ def _cycle(agreement: cycle_agreement.CycleAgreement) -> Json:
         **json_of(agreement.turn, "bias", "bias_error", "model_error", unit=DEGREES),
         **json_of(agreement, "isotropic_rms", "scatter", unit=DEGREES),
         **json_of(agreement, "lag_correlation"),
-        "map_test": None if agreement.p_value is None else json_of(agreement.p_value, *_TEST),
+        "map_test": if_known(_test, agreement.p_value),
     }
+
+
+def _test(test: PValue, unit: Unit = NUMBER) -> Json:
+    return json_of(test, "statistic", "value", unit=unit)
 
 
 def _orientations(agreement: cycle_agreement.OrientationAgreement) -> Json:
     units = {"wasserstein": DEGREES}
     return {
         "count": agreement.count,
-        **{
-            name: json_of(test, *_TEST, unit=units.get(name, NUMBER))
-            for name, test in agreement.tests.items()
-        },
+        **{name: _test(test, units.get(name, NUMBER)) for name, test in agreement.tests.items()},
         "histogram": {
             **json_of(agreement.measured, "edges", unit=DEGREES),
             "measured_per_deg": written(agreement.measured.density, _PER_DEGREE),
@@ -196,7 +210,7 @@ def _directions(agreement: cycle_agreement.DirectionAgreement) -> Json:
         "predicted": [
             {
                 **json_of(match, "kind", "centre", "predicted_mode", "measured_mode", "difference"),
-                "p_value": _p_value(match.p_value),
+                "p_value": if_known(_p_value, match.p_value),
             }
             for match in agreement.matches
         ],
@@ -211,18 +225,16 @@ def _staircase(agreement: cycle_agreement.StaircaseAgreement) -> Json:
         "steps": _simulated(numbers["steps"]),
         "step_height_deg": _simulated(numbers["step_height"], PLAIN_UNITS["dtheta"]),
         "residence_cycles": _simulated(numbers["residence"]),
-        "theory": None
-        if agreement.theory is None
-        else comparison_report(agreement.theory, errors=False),
+        "theory": if_known(partial(comparison_report, errors=False), agreement.theory),
     }
 
 
 def _simulated(quantity: cycle_agreement.SimulatedQuantity, unit: Unit = NUMBER) -> Json:
     return {
         **json_of(quantity, "measured", "predicted", "lower", "upper", unit=unit),
-        "p_value": _p_value(quantity.p_value),
+        "p_value": if_known(_p_value, quantity.p_value),
     }
 
 
-def _p_value(test: PValue | None) -> float | None:
-    return None if test is None else test.value
+def _p_value(test: PValue) -> float:
+    return test.value

@@ -9,9 +9,14 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.collected.readable_data import readable_data, reasons_of, selected_values
+from cyclemap.cli.collected.readable_data import (
+    UNITS,
+    facts_report,
+    readable_data,
+    reasons_of,
+    selected_values,
+)
 from cyclemap.cli.commands import FitOptions
-from cyclemap.cli.json_report import UNITS, facts_report
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
@@ -35,7 +40,7 @@ from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.progress import part_of
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
-from cyclemap.written import DEGREES, Json, Unit, degrees, json_of, rows, written
+from cyclemap.written import DEGREES, Json, Unit, degrees, if_known, json_of, rows, written
 
 # Headings of what a push changes.
 QUANTITIES = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
@@ -84,8 +89,8 @@ def run_fit(asked: FitOptions) -> None:
                 )
             )
     for fit in (fit for fit in fits if not fit.is_empty):
-        stem = results.out / f"fit_{file_stem(fit.pushes.name)}"
-        pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.format))
+        name = f"fit_{file_stem(fit.pushes.name)}"
+        pictures.append(write_result(set_report(fit), fit_page(fit), results, name))
     if publish_json(fit_report(pushes, fits), results.json):
         return
     _tell(pushes, fits, pictures)
@@ -137,7 +142,7 @@ def set_report(fit: SetFit) -> Json:
             **{name: _moments(getattr(statistics, name), unit) for name, unit in UNITS.items()},
         },
         "laws": {law.quantity: _law(law) for law in fit.laws},
-        "dtheta_histogram": None if fit.histogram is None else _histogram(fit.histogram),
+        "dtheta_histogram": if_known(_histogram, fit.histogram),
         "last_cycles": written(fit.rest),
         "cycle_map": {"problem": fit.map_problem}
         if fit.cycle_map is None
@@ -191,12 +196,12 @@ def _cycle_map(measured: MeasuredCycleMap) -> Json:
         "wear_degree": None if wear is None else wear.degree,
         "rmse_deg": degrees(law.rmse),
         "rmse_without_wear_deg": degrees(measured.fitted.law.rmse),
-        "sigma_deg": degrees(law.sigma),
+        **json_of(law, "sigma", unit=DEGREES),
         **json_of(measured, "quietest", "loudest"),
         **json_of(law, "lag_correlation"),
         "early": _state(measured.early),
         "late": _state(measured.late),
-        "forecast": None if measured.forecast is None else _forecast(measured.forecast),
+        "forecast": if_known(_forecast, measured.forecast),
     }
 
 

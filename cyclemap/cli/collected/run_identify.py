@@ -4,16 +4,16 @@ picture.
 
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import click
 from rich.table import Table
 
 from cyclemap.cli.collected.readable_data import readable_tables, selected_values
 from cyclemap.cli.commands import IdentifyOptions
-from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import pair_in_metres, words_of
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
+from cyclemap.cli.output import file_stem, people_table, progress_bar, publish
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.identification.collected_blocks import (
@@ -22,7 +22,7 @@ from cyclemap.evidence.identification.collected_blocks import (
 )
 from cyclemap.evidence.identification.identify import Identification, KindErrors, NamedInterval
 from cyclemap.evidence.identification.known_floor import identify_collected, known_shapes
-from cyclemap.evidence.identification.surface_parameters import starting_space
+from cyclemap.evidence.identification.surface_parameters import ParameterSpace, starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
     derived_quantities,
@@ -30,16 +30,15 @@ from cyclemap.evidence.identified_material import (
     identified_material,
 )
 from cyclemap.evidence.identified_words import implausible, readable_kind
+from cyclemap.evidence.tables.columns import Selection
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import key_and_value, plain_number
-from cyclemap.protocol.chosen_loop import chosen_loop
+from cyclemap.protocol.chosen_loop import ChosenCollection, chosen_loop
 from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
-from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
-from cyclemap.views.panels.layout import render
 from cyclemap.written import Json, Unit, json_of, written
 
 _SIZES = (
@@ -61,33 +60,65 @@ def run_identify(asked: IdentifyOptions) -> None:
         )
     begin = asked.start if asked.floor is None else asked.floor
     surface = None if begin is None else load_material(begin)
-    fixed = fixed_values(asked.fix)
     known = None if asked.floor is None else surface
-    target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
+    fixed = fixed_values(asked.fix)
     shapes = tuple(shape for plate in asked.plate for shape in load_plates(plate))
     selected = selected_values(asked.select)
     chosen = chosen_loop("isotropic", asked.protocol, asked.settings, asked.data[0])
-    loop = chosen.loop
     read = readable_tables(asked.data, asked.table, asked.results.out)
-    space = starting_space(loop, surface)
+    space = starting_space(chosen.loop, surface)
+    collected = _collected(asked, chosen, read, selected, population=known is not None)
+    fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
+    identified = _identified(asked, collected, known, fixed, space)
+    doubtful = _is_doubtful(identified, collected, asked.force)
+    since = f" from cycle {asked.first} on" if asked.first else ""
+    material = identified_material(
+        identified,
+        asked.name or f"{collected.surface or selected.get('surface', 'surface')}-identified",
+        [f"{path.name}{since}" for path in read],
+        collected.last_cycle,
+        collected.loop.slider.name,
+        floor=known,
+    )
+    _conclude(collected, identified, material, doubtful, asked)
+
+
+def _collected(
+    asked: IdentifyOptions,
+    chosen: ChosenCollection,
+    read: Sequence[Path],
+    selected: Selection,
+    population: bool,
+) -> CollectedBlocks:
+    """The blocks of all data; population : whether the floor is one of which something is known."""
+    target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
     with progress_bar("reading") as report:
-        collected = collected_blocks(
+        return collected_blocks(
             read,
-            loop,
+            chosen.loop,
             selected,
             first=asked.first,
             wear=asked.wear,
             most=asked.most,
             progress=report,
-            push_length=loop.push.distance if "push_mm" in chosen.settings else None,
-            population=known is not None,
+            push_length=chosen.loop.push.distance if "push_mm" in chosen.settings else None,
+            population=population,
             target=target,
         )
-    fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
+
+
+def _identified(
+    asked: IdentifyOptions,
+    collected: CollectedBlocks,
+    known: Material | None,
+    fixed: Mapping[str, float],
+    space: ParameterSpace,
+) -> Identification:
+    """What explains the data, as far as it is not known or fixed."""
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
     usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:
-        identified = identify_collected(
+        return identify_collected(
             collected,
             known,
             fixed,
@@ -100,15 +131,6 @@ def run_identify(asked: IdentifyOptions) -> None:
             seed=asked.seed,
             progress=report,
         )
-    doubtful = _is_doubtful(identified, collected, asked.force)
-    since = f" from cycle {asked.first} on" if asked.first else ""
-    sources = [f"{path.name}{since}" for path in read]
-    default = collected.surface or selected.get("surface", "surface")
-    name = asked.name or f"{default}-identified"
-    plate_name = collected.loop.slider.name
-    last = collected.last_cycle
-    material = identified_material(identified, name, sources, last, plate_name, floor=known)
-    _conclude(collected, identified, material, doubtful, asked)
 
 
 def _is_doubtful(identified: Identification, collected: CollectedBlocks, force: bool) -> bool:
@@ -136,7 +158,6 @@ def _conclude(
     seed = asked.seed
     derived = derived_quantities(identified, seed=seed)
     stem = file_stem(material.name)
-    as_json = identify_report(material, data.notes, identified, derived)
     answer = headline(material.name, derived, identified.friction())
     # The material file names object, push and ring that it was found with where these are not MIT's
     # own.
@@ -149,27 +170,23 @@ def _conclude(
         page_sentences(identified),
     )
     toml = results.out / f"{stem}.toml"
-    picture = results.out / f"identify_{stem}.{results.format}"
-    # All of the content is made before the first file is written.
-    files = {
-        toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
-        results.out / f"identify_{stem}.json": json_text(as_json).encode(),
-        picture: render(page, results.format),
-    }
-    for path, content in files.items():
-        write_whole(path, content)
-    if publish_json(as_json, results.json):
-        return
-    PeopleConsole().tell(
+    text = material_toml(material) if is_mit else collection_text(loop)
+    publish(
+        identify_report(material, data.notes, identified, derived),
+        page,
+        results,
+        f"identify_{stem}",
         answer,
         *(f"data: {note}" for note in data.notes),
         parameter_table(identified),
         derived_table(derived) if derived else "",
         error_table(identified),
         *note_sentences(identified),
-        f"picture: {picture}",
-        f"material: {toml}",
-        "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}",
+        after=(
+            f"material: {toml}",
+            "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}",
+        ),
+        beside={toml: text.encode()},
     )
 
 

@@ -15,17 +15,19 @@ from rich.table import Table
 from cyclemap.arrays import Array
 from cyclemap.cli.collected.readable_data import readable_tables
 from cyclemap.cli.commands import PlanOptions
-from cyclemap.cli.json_report import millimetres, push_report, uncertainty_report
-from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, said_command
+from cyclemap.cli.options import TableOptions, pair_in_metres, said_command
 from cyclemap.cli.output import (
     PeopleConsole,
     Told,
     file_stem,
+    millimetres,
     people_table,
     progress_bar,
     publish,
     publish_json,
+    push_report,
     styled,
+    uncertainty_report,
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
@@ -38,11 +40,11 @@ from cyclemap.evidence.measured_plan import (
 )
 from cyclemap.evidence.plan_pushes import PushPlan, SetPush, plan_pushes
 from cyclemap.evidence.tables.data_kinds import files_of_data, recognise
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
-from cyclemap.views.object_page import known_parts, measured_sentences, plan_page, plan_sentences
+from cyclemap.views.push_pages import known_sizes, measured_sentences, plan_page, plan_sentences
 from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"
@@ -60,17 +62,48 @@ def run_plan(asked: PlanOptions) -> None:
     step = _orientation_step(asked.grid)
     room = _room(asked.room_mm)
     loop = chosen_loop(asked.floor, asked.object_file, asked.settings).loop
-    stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
+    out = asked.results.out
+    name = f"plan_{file_stem(loop.slider.name)}"
     within = math.radians(asked.until_deg)
-    measured = None
+    as_json: Json = {}
+    sentences: list[Told] = []
     if asked.after:
-        measured = _measured(asked, loop, stem)
-        loop = measured.loop
+        floor = out / f"{name}_measured.toml"
+        measured = _measured(asked, loop, floor)
+        as_json = measured_report(measured, within)
+        sentences += measured_sentences(measured, within)
         if measured.is_enough(within):
-            _tell_enough(measured, within, stem, asked.results)
+            if not publish_json(as_json, asked.results.json):
+                PeopleConsole().tell(*sentences, f"floor and plate: {floor}")
+                PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
             return
+        loop = measured.loop
+    plan = _planned(asked, loop, step, room)
+    headline, *others = plan_sentences(plan)
+    content = table_to_fill(plan, asked.by or ("pose" if step is None else "corners"), asked.excel)
+    table = _unused(out / name, ".xlsx" if asked.excel else ".csv", content)
+    robot = out / f"{table.stem}_robot.csv"
+    following = shlex.join([*said_command("json"), "--after", str(table)])
+    publish(
+        {**plan_report(plan), **as_json},
+        plan_page(plan),
+        asked.results,
+        table.stem,
+        *sentences,
+        styled(headline, "bold"),
+        *others,
+        push_table(plan),
+        knowledge_table(plan),
+        after=(f"for a robot: {robot}", f"to fill in: {table}", f"next: {following}"),
+        beside={table: content, robot: robot_schedule(plan)},
+    )
+
+
+def _planned(
+    asked: PlanOptions, loop: CollectionLoop, step: float | None, room: tuple[float, float]
+) -> PushPlan:
     with progress_bar("choosing pushes") as report:
-        plan = plan_pushes(
+        return plan_pushes(
             loop,
             asked.pushes,
             target=asked.target,
@@ -80,23 +113,6 @@ def run_plan(asked: PlanOptions) -> None:
             progress=report,
             read=(1e-3 * asked.error_mm, math.radians(asked.error_deg)),
         )
-    as_json = plan_report(plan)
-    sentences: list[Told] = []
-    if measured is not None:
-        as_json |= measured_report(measured, within)
-        sentences += measured_sentences(measured, within)
-    headline, *others = plan_sentences(plan)
-    sentences += [styled(headline, "bold"), *others, push_table(plan), knowledge_table(plan)]
-    table, robot = _write_tables(plan, stem, asked)
-    following = shlex.join([*said_command("json"), "--after", str(table)])
-    publish(
-        as_json,
-        plan_page(plan),
-        table.with_suffix(""),
-        asked.results,
-        *sentences,
-        after=(f"for a robot: {robot}", f"to fill in: {table}", f"next: {following}"),
-    )
 
 
 def _room(text: str) -> tuple[float, float]:
@@ -109,19 +125,8 @@ def _room(text: str) -> tuple[float, float]:
     return room
 
 
-def _write_tables(plan: PushPlan, stem: Path, asked: PlanOptions) -> tuple[Path, Path]:
-    """Write the table to fill in and that of the robot, and return where they are."""
-    by = asked.by or ("pose" if asked.grid == FREE else "corners")
-    content = table_to_fill(plan, by, asked.excel)
-    table = _unused(stem, ".xlsx" if asked.excel else ".csv", content)
-    robot = table.with_name(f"{table.stem}_robot.csv")
-    write_whole(table, content)
-    write_whole(robot, robot_schedule(plan))
-    return table, robot
-
-
-def _measured(asked: PlanOptions, loop: CollectionLoop, stem: Path) -> MeasuredPlan:
-    """What the tables that were filled in tell, written as a floor; doubts about it go to stderr."""
+def _measured(asked: PlanOptions, loop: CollectionLoop, floor: Path) -> MeasuredPlan:
+    """What the tables that were filled in tell, written as a floor; its doubts go to stderr."""
     readable = readable_tables(asked.after, TableOptions(), asked.results.out)
     for path in readable:
         files, problems = files_of_data(path), list[str]()
@@ -137,8 +142,7 @@ def _measured(asked: PlanOptions, loop: CollectionLoop, stem: Path) -> MeasuredP
         measured = measured_plan(loop, readable, seed=asked.seed, progress=report)
     for words in implausible(measured.identification, loop.slider.outline.extent):
         click.echo(f"warning: this cannot be right: {words}", err=True)
-    text = collection_text(measured.loop)
-    write_whole(stem.with_name(f"{stem.name}_measured.toml"), text.encode())
+    write_whole(floor, collection_text(measured.loop).encode())
     return measured
 
 
@@ -146,23 +150,12 @@ def _orientation_step(grid: str) -> float | None:
     """The angle (rad) between orientations that a hand sets; None for any."""
     if grid == FREE:
         return None
-    try:
-        step = plain_number(grid)
-    except ValueError:
-        step = math.nan
+    step = number_or_nan(grid)
     if not 0.1 <= step <= 180.0:
         raise InvalidInput(
             f"--grid {grid!r}: give the degrees between orientations, 0.1 to 180, or {FREE}"
         )
     return math.radians(step)
-
-
-def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, results: ResultOptions) -> None:
-    if publish_json(measured_report(measured, within), results.json):
-        return
-    floor = stem.with_name(f"{stem.name}_measured.toml")
-    PeopleConsole().tell(*measured_sentences(measured, within), f"floor and plate: {floor}")
-    PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
 
 
 def _unused(stem: Path, suffix: str, content: bytes) -> Path:
@@ -255,10 +248,10 @@ def push_table(plan: PushPlan) -> Table:
 
 def knowledge_table(plan: PushPlan) -> Table:
     """What will be known after some pushes, planned and random."""
-    names = known_parts(plan.knowledge[0].planned)
+    names = known_sizes(plan.knowledge[0].planned)
     rows = []
     for after in plan.knowledge:
-        sizes = [*known_parts(after.planned).values(), *known_parts(after.random).values()]
+        sizes = [*known_sizes(after.planned).values(), *known_sizes(after.random).values()]
         rows.append((str(after.pushes), *sizes))
     columns = [f"{sort}: {name}" for sort in ("planned", "random") for name in names]
     return people_table("What will be known", ("pushes", *columns), rows)

@@ -1,5 +1,5 @@
-"""Recorded pushes: `cyclemap replay` runs them along their own paths and tells how far off each ends;
-`cyclemap probe` asks whether pushes, or those of a simulator, depend on their direction.
+"""Recorded pushes: `cyclemap replay` runs them along their own paths and tells how far off each
+ends; `cyclemap probe` asks whether pushes, or those of a simulator, depend on their direction.
 """
 
 from __future__ import annotations
@@ -14,10 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.collected.readable_data import readable_data, reasons_of, selected_values
+from cyclemap.cli.collected.readable_data import (
+    FACT_UNITS,
+    PLAIN_UNITS,
+    UNITS,
+    readable_data,
+    reasons_of,
+    selected_values,
+)
 from cyclemap.cli.commands import ProbeOptions, ReplayOptions
-from cyclemap.cli.json_report import FACT_UNITS, PLAIN_UNITS, UNITS
-from cyclemap.cli.output import file_stem, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import file_stem, people_table, progress_bar, publish, result_name
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import load_pushes
@@ -92,8 +98,8 @@ def run_replay(asked: ReplayOptions) -> None:
     publish(
         replay_report(replayed, material.name, loop.pusher.friction, notes),
         replay_page(replayed, material.name),
-        result_stem(asked.results.out, "replay", loop),
         asked.results,
+        result_name("replay", loop),
         replay_headline(replayed),
         people_table("Error at the end, by object (means)", COLUMNS, errors, words=(0, 1)),
         *(f"note: {note}" for note in notes),
@@ -173,7 +179,6 @@ def _rows(table: pandas.DataFrame) -> list[Json]:
 def run_probe(asked: ProbeOptions) -> None:
     """Probe what is asked for, draw it, and print it for people or as JSON."""
     probed = _probed(asked)
-    results = asked.results
     report = {
         "pushes": len(probed.theta),
         **json_of(probed, "found", "p_value"),
@@ -185,7 +190,7 @@ def run_probe(asked: ProbeOptions) -> None:
         **json_of(probed, "explained"),
         "locks_at_deg": degrees(probed.stable) if probed.found else [],
     }
-    publish(report, probe_page(probed), results.out / "probe", results, *probe_sentences(probed))
+    publish(report, probe_page(probed), asked.results, "probe", *probe_sentences(probed))
 
 
 def _harmonic(harmonic: Harmonic) -> Json:

@@ -117,8 +117,8 @@ def _ahead_of(asked: WatchOptions) -> LookAhead:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
         raise InvalidInput(
-            f"{asked.protocol}: there is no action to choose: it needs a [strategy] of two actions or "
-            "more"
+            f"{asked.protocol}: there is no action to choose: it needs a [strategy] of two actions "
+            "or more"
         )
     with progress_bar(f"cycle maps on {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
@@ -213,8 +213,7 @@ def _conclude(
         "multiplier": written(rest),
     }
     figure = page.watch_page(monitor, reports, file.name)
-    stem = results.out / f"watch_{file_stem(file.stem)}"
-    picture = write_result(as_json, figure, stem, results.format)
+    picture = write_result(as_json, figure, results, f"watch_{file_stem(file.stem)}")
     if quiet or publish_json(as_json, results.json):
         return
     PeopleConsole().tell(
@@ -264,8 +263,8 @@ def run_audit(asked: AuditOptions) -> None:
     publish(
         as_json,
         audit_page(audited),
-        asked.results.out / f"audit_{file_stem(data.stem)}",
         asked.results,
+        f"audit_{file_stem(data.stem)}",
         audit_headline(audited),
         audit_paragraph(audited),
     )

@@ -103,7 +103,7 @@ class Comparison:
         wears.
         """
         pairs = self.data.pairs
-        return 0.0 if pairs is None or pairs.cycle is None else float(np.median(pairs.cycle))
+        return 0.0 if pairs is None else float(np.median(pairs.numbers))
 
 
 def compare(
@@ -202,8 +202,8 @@ def compare(
         progress=part_of(progress, 0, 4),
     )
     pairs = collection.pairs
-    known = () if pairs is None else (pairs.cycle, pairs.path_cycle)
-    wanted = 1 + int(max((np.max(cycles) for cycles in known if cycles is not None), default=0.0))
+    # The path ends with the push behind the last pair.
+    wanted = 1 if pairs is None else 2 + int(np.max(pairs.numbers))
     given = collection.loop or prediction
     chosen = as_prediction(
         given, noise, wanted, tolerance=tolerance, progress=part_of(progress, 1, 4)

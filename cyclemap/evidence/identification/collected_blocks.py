@@ -24,7 +24,6 @@ from cyclemap.evidence.identification.session_blocks import (
     Taken,
     Wanted,
     drag_blocks,
-    left_out,
     named_blocks,
     odd_sessions,
     push_blocks,
@@ -281,16 +280,14 @@ class _Data:
         """Add the blocks of one sort of data in a file, session by session."""
         about = str(file.path)
         pushes, reasons = self._rows(file, part_of(progress, 0, 2))
-        for reason, count in reasons.items():
-            self.notes += [(about, words) for words in left_out(reason, count)]
-        self.notes += [(about, words) for words in self._checked(file, pushes)]
-        frames = (pushes.table, pushes.scans)
-        surfaces = frozenset[str]().union(*(told(frame["surface"]) for frame in frames))
-        self.surfaces |= surfaces
-        self.objects |= frozenset[str]().union(*(told(frame["object"]) for frame in frames))
-        if len(surfaces) > 1:
+        words = [f"{count} left out: {reason}" for reason, count in reasons.items()]
+        self.notes += [(about, note) for note in (*words, *self._checked(file, pushes))]
+        self.surfaces |= {*told(pushes.table["surface"]), *told(pushes.scans["surface"])}
+        self.objects |= {*told(pushes.table["object"]), *told(pushes.scans["object"])}
+        if len(self.surfaces) > 1:
             return
-        tables, scans = (_by_session(frame, self.loop.slider.name) for frame in frames)
+        tables = _by_session(pushes.table, self.loop.slider.name)
+        scans = _by_session(pushes.scans, self.loop.slider.name)
         sessions = sorted({*tables, *scans})
         for index, (plate, speed) in enumerate(sessions):
             own = replace(

@@ -192,7 +192,7 @@ class DataBlock:
         """
         rows = np.flatnonzero(keep)
         whole = self.function
-        part = self.part
+        of_rows = self.part
 
         def some(values: Values) -> Rows:
             residual, jacobian = whole(values)
@@ -200,10 +200,10 @@ class DataBlock:
 
         return replace(
             self,
-            function=some if part is None else part(rows),
+            function=some if of_rows is None else of_rows(rows),
             groups=self.groups[rows],
             kinds=self.kinds[rows],
-            part=None if part is None else lambda fewer: part(rows[fewer]),
+            part=None if of_rows is None else lambda fewer: of_rows(rows[fewer]),
             motions=None,
             stayed=None,
         )
@@ -305,15 +305,15 @@ class JointProblem:
         A free parameter that no block asks for any more is held at its value in `values`.
         """
         chosen = np.asarray(keep, dtype=bool)
-        parts = []
+        blocks = []
         for index, block in enumerate(self.blocks):
             rows = chosen[self.block_index == index]
             if rows.any():
-                parts.append(block if rows.all() else block.subset(rows))
-        asked = {name for block in parts for name in block.parameters}
+                blocks.append(block if rows.all() else block.subset(rows))
+        asked = {name for block in blocks for name in block.parameters}
         idle = {name: values[name] for name in self.space.names if name not in asked}
         space = self.space.select(tuple(name for name in self.space.names if name in asked))
-        return JointProblem(tuple(parts), space, {**self.fixed, **idle})
+        return JointProblem(tuple(blocks), space, {**self.fixed, **idle})
 
 
 def prior_block(beliefs: Beliefs) -> DataBlock:

@@ -83,14 +83,11 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw = NORMAL) -> Unce
         freedom = _degrees(np.diag(covariance) ** 2, spent)
     error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     outer = np.outer(error, error)
+    correlation = np.divide(covariance, outer, out=np.eye(error.size), where=outer > 0.0)
     return Uncertainty(
         read_only(np.where(blind, np.inf, error * scale)),
         read_only(covariance * np.outer(scale, scale)),
-        read_only(
-            np.where(
-                outer > 0.0, covariance / np.where(outer > 0.0, outer, 1.0), np.eye(len(error))
-            )
-        ),
+        read_only(correlation),
         read_only(freedom),
         _open_directions(problem, law.information * values, vectors, seen),
     )

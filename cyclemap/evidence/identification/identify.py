@@ -48,7 +48,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.progress import Progress, part_of, unheard
+from cyclemap.progress import Progress, part_of
 from cyclemap.written import UNWRITTEN, Unit, readable_unit
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
@@ -278,12 +278,10 @@ class Identification:
     problem: JointProblem
 
     def __getitem__(self, name: str) -> Estimate:
-        for estimate in self.estimates:
-            if estimate.name == name:
-                return estimate
-        raise unknown_name(
-            "identified parameter", name, [estimate.name for estimate in self.estimates]
-        )
+        known = {estimate.name: estimate for estimate in self.estimates}
+        if name not in known:
+            raise unknown_name("identified parameter", name, known)
+        return known[name]
 
     @property
     def lasting(self) -> tuple[Estimate, ...]:
@@ -410,24 +408,19 @@ def identify(
     if believed:
         blocks = (*blocks, prior_block(believed))
     if any(PRIOR_KIND in block.kinds for block in blocks):
-        known = {**known, PRIOR_KIND: 1.0}
+        known[PRIOR_KIND] = 1.0
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
-    fold = random_folds(problem, folds, seed) if folds else None
-    report = progress or unheard
+    no_folds = np.full(problem.groups.size, -1)
+    fold = random_folds(problem, folds, seed) if folds else no_folds
     # The searches are the first three fifths of the work, cross-validation the rest.
-    searches = multi_start(
-        problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done)
-    )
+    searching = part_of(progress, 0.0, 5.0 / 3.0)
+    validating = part_of(progress, 1.5, 2.5)
+    searches = multi_start(problem, spread_starts(problem, starts, seed), law, known, searching)
     fit = searches.best
     errors = uncertainty(problem, fit, law)
-    left_out = np.full(problem.groups.size, np.nan)
-    failures = list[str]()
-    if fold is not None:
-        left_out, failures = cross_validate(
-            problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done)
-        )
-    report(1.0)
+    left_out, failures = cross_validate(problem, fit, fold, law, validating)
+    validating(1.0)
     estimates = _estimates(problem, fit, errors, level)
     notes += [*_notes(searches, errors, estimates, believed), *failures]
     notes += _stayed_notes(blocks, problem.values(fit.vector))

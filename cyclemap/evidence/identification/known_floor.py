@@ -1,5 +1,5 @@
-"""What is known before an identification, of a floor from its material, of plates from their shapes,
-and the identification of collected data with it.
+"""What is known before an identification, of a floor from its material, of plates from their
+shapes, and the identification of collected data with it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,6 @@ _LEAST_SPREAD = 0.2
 _ELLIPSE = SURFACE.names[1:5]
 _RING = "pin_friction_radius"
 FLOOR_TOLD = (*_ELLIPSE, _RING)
-_FOUND = ("pusher_friction", _RING)
 # So many sessions tell how the floor's shape varies with the place.
 _SESSIONS_OF_A_FIELD = 4
 # Samples that differ by less than this share of their mean are all the same.
@@ -62,7 +61,7 @@ def known_beliefs(
     believed = {}
     for name in names:
         plain, _, owner = name.partition("[")
-        rows = [_told(known, plain, owner.rstrip("]") or plate) for known in (floor, *drawn)]
+        rows = [_known_value(row, plain, owner.rstrip("]") or plate) for row in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
         stated, *samples = np.array(rows, dtype=float).tolist()
@@ -82,16 +81,16 @@ def known_beliefs(
     return believed
 
 
-def _told(material: Material, name: str, plate: str) -> float | None:
+def _known_value(material: Material, name: str, plate: str) -> float | None:
     """What a material tells of an unknown by its plain name."""
-    if name in _ELLIPSE:
-        return getattr(SurfaceParameters.from_friction(material.friction), name)  # type: ignore[no-any-return]
-    if name in _FOUND:
-        return getattr(material.found_with, name)  # type: ignore[no-any-return]
-    if name in FLOOR_NAMES:
-        return float(material.floor.bend[FLOOR_NAMES.index(name)])
-    known = material.pressure_of(plate) if name in PLATE_NAMES else None
-    return None if known is None else float(known.shape.bend[PLATE_NAMES.index(name)])
+    surface = SurfaceParameters.from_friction(material.friction).values()
+    values: dict[str, float | None] = {key: surface[key] for key in _ELLIPSE}
+    values |= vars(material.found_with)
+    values |= zip(FLOOR_NAMES, material.floor.bend.tolist(), strict=True)
+    pressure = material.pressure_of(plate)
+    if pressure is not None:
+        values |= zip(PLATE_NAMES, pressure.shape.bend.tolist(), strict=True)
+    return values.get(name)
 
 
 def known_spread(floor: Material | None, blocks: Sequence[DataBlock]) -> dict[str, float]:

@@ -1,5 +1,5 @@
-"""The blocks of one session, made of rows of measured data, with what stays out told between them; what
-each of several plates and sessions has of its own, and which sessions are odd.
+"""The blocks of one session, made of rows of measured data, with what stays out told between them;
+what each of several plates and sessions has of its own, and which sessions are odd.
 """
 
 from __future__ import annotations
@@ -399,19 +399,21 @@ def named_blocks(
             first.setdefault(row.plate, row.session)
     owners = [row.session or first.get(row.plate, row.plate) for row in known]
     of_floor = {parameter.name for parameter in SESSION_OWNED}
-    both = [*zip(owners, known, strict=True)]
-    telling = (owner for owner, row in both if of_floor & {*row.block.parameters})
+    owned = [*zip(owners, known, strict=True)]
+    telling = (owner for owner, row in owned if of_floor & {*row.block.parameters})
     sessions = list(dict.fromkeys(telling))
     has_sessions = len(sessions) > 1 or (population and bool(sessions))
     has_plates = len({row.plate for row in known}) > 1
     blocks = []
-    for owner, row in both:
+    for owner, row in owned:
         block = row.block
+        whose = ""
         if has_plates:
             block = block.of_owner(row.plate, PLATE_OWNED)
+            whose = row.plate
         if has_sessions:
             block = block.of_owner(owner, SESSION_OWNED)
-        whose = owner if has_sessions else row.plate if has_plates else ""
+            whose = owner
         blocks.append(replace(block, name=f"{whose} {block.name}".strip()))
     if has_sessions:
         blocks.append(session_block(sessions, odd))
@@ -438,7 +440,7 @@ def odd_sessions(
             pushes.setdefault(row.plate, {}).setdefault(row.session, row.pushes)
     usual = float(np.median([*tip_errors.values()])) if tip_errors else 0.0
     odd = dict[str, str]()
-    open_ones = dict[str, str]()
+    doubtful = dict[str, str]()
     for session, size in tip_errors.items():
         if size > max(_ASTRAY, _TIMES * usual):
             odd[session] = (
@@ -456,8 +458,8 @@ def odd_sessions(
             if len(turns) > 2 or astray > others:
                 odd[session] = reason
             elif astray == others:
-                open_ones[session] = reason
-    return odd, open_ones
+                doubtful[session] = reason
+    return odd, doubtful
 
 
 def _turned_unlike(turns: Mapping[str, tuple[float, float]]) -> dict[str, str]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -168,10 +168,10 @@ class ParameterSpace:
         return len(self.parameters)
 
     def __getitem__(self, name: str) -> Parameter:
-        for parameter in self.parameters:
-            if parameter.name == name:
-                return parameter
-        raise unknown_name("parameter", name, self.names)
+        known = dict(zip(self.names, self.parameters, strict=True))
+        if name not in known:
+            raise unknown_name("parameter", name, self.names)
+        return known[name]
 
     @property
     def nominal(self) -> dict[str, float]:
@@ -396,13 +396,12 @@ class SurfaceParameters:
     pin_friction_radius: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in SURFACE.names:
-            value = finite_number(name, getattr(self, name))
-            bounds = SURFACE[name]
-            object.__setattr__(self, name, value)
-            if not bounds.lower <= value <= bounds.upper:
+        for row in SURFACE.parameters:
+            value = finite_number(row.name, getattr(self, row.name))
+            object.__setattr__(self, row.name, value)
+            if not row.lower <= value <= row.upper:
                 raise InvalidInput(
-                    f"{name} is {value}: it must lie between {bounds.lower} and {bounds.upper}"
+                    f"{row.name} is {value}: it must lie between {row.lower} and {row.upper}"
                 )
 
     @classmethod
@@ -410,9 +409,7 @@ class SurfaceParameters:
         """Return the surface of values by name; other names are left alone, missing ones take their
         nominal value.
         """
-        return cls(
-            **{field.name: values[field.name] for field in fields(cls) if field.name in values}
-        )
+        return cls(**{name: values[name] for name in SURFACE.names if name in values})
 
     @classmethod
     def from_friction(cls, friction: EllipseFriction, **others: float) -> SurfaceParameters:

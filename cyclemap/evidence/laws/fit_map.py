@@ -413,9 +413,8 @@ def _without_jumps(theta: Array, images: Array) -> Array:
             f"the turns jump by whole ones, {np.count_nonzero(jumps)} times, first near theta = "
             f"{place:.4g} rad: give theta_next unwrapped, so that theta_next - theta is the turn"
         )
-    lap = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
     mended = np.empty_like(turn)
-    mended[order] = turn[order] - TWO_PI * lap
+    mended[order] = np.unwrap(turn[order])
     middle = float(np.median(mended))
     return np.asarray(mended - TWO_PI * np.floor((middle + np.pi) / TWO_PI))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.ndimage import convolve1d
 
 from cyclemap.arrays import Array, Whole
 from cyclemap.checks import finite_number, whole_number
@@ -66,10 +67,8 @@ def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> Line
         moments = design * residuals[:, np.newaxis]
         count = value.size
         lags = min(count - 1, int(np.ceil(1.3 * np.sqrt(count))))
-        total = moments.T @ moments
-        for lag in range(1, lags + 1):
-            shared = moments[lag:].T @ moments[:-lag]
-            total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)
+        window = 1.0 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1.0)
+        total = moments.T @ convolve1d(moments, window, axis=0, mode="constant")
         covariance = inverse @ total @ inverse * (count / free)
     return LinearFit(coefficients, covariance, residuals, float(np.sqrt(variance)))
 

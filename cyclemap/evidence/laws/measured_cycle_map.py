@@ -352,7 +352,7 @@ def measured_cycle_map(
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
 
 
-def _residuals_around(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[Whole, Array, Array]:
+def _residuals_around(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[Array, Array, Array]:
     """How many pairs lie within 10 degrees of each place around, the mean of their residuals, each
     beside the law of its own cycle, and of the squares of these; 0 without any.
     """
@@ -363,10 +363,10 @@ def _residuals_around(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[Whole, Arr
     near = (off[np.abs(shorter_way(place - pairs.theta)) <= _MISFIT_REACH] for place in _AROUND)
     count, total, square = np.array([(own.size, np.sum(own), np.dot(own, own)) for own in near]).T
     most = np.maximum(count, 1.0)
-    return count.astype(np.int64), total / most, square / most
+    return count, total / most, square / most
 
 
-def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: Whole) -> MapState:
+def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: Array) -> MapState:
     """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about
     each place.
     """
@@ -377,29 +377,25 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     error = _turn_error(law, bias, crowd)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
-    def place(k: int, cycles: float | None = None) -> TurnPlace:
-        return TurnPlace(
-            float(_AROUND[k]),
-            float(turn[k]),
-            float(turn[k] - error[k]),
-            float(turn[k] + error[k]),
-            cycles,
-        )
+    def place(index: int, cycles: float | None = None) -> TurnPlace:
+        middle = float(turn[index])
+        half = float(error[index])
+        return TurnPlace(float(_AROUND[index]), middle, middle - half, middle + half, cycles)
 
     frozen = map_of_turn(law)
     orbits = {
         round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)
     }
-    sure: list[Orbit] = []
-    undecided: list[TurnPlace] = []
+    crossed = set[int]()
+    undecided = []
     # The longest runs of neighbours that are open, the last place beside the first; all in one
     # where all are.
     held = seen & (sign == 0.0)
     first = int(np.argmin(held))
     for low, high in stretches(np.roll(held, -first)):
-        run = [k % _GRID for k in range(first + low, first + high)]
+        run = [index % _GRID for index in range(first + low, first + high)]
         if sign[run[0] - 1] * sign[(run[-1] + 1) % _GRID] < 0.0:
-            sure += [orbits[k] for k in run if k in orbits]
+            crossed.update(run)
         else:
             undecided.append(place(_least(np.abs(turn), np.array(run))))
     slow = []
@@ -408,11 +404,11 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
         if sign[index] != 0.0:
             slow.append(place(index, passage.passage_cycles))
     slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
-    sure.sort(key=lambda orbit: orbit.points[0])
-    return MapState(cycle, tuple(sure), tuple(slow), tuple(undecided), slowest)
+    sure = tuple(orbit for index, orbit in orbits.items() if index in crossed)
+    return MapState(cycle, sure, tuple(slow), tuple(undecided), slowest)
 
 
-def _turn_error(law: PeriodicLaw, bias: Array, crowd: Whole) -> Array:
+def _turn_error(law: PeriodicLaw, bias: Array, crowd: Array) -> Array:
     """Half of the 95 % interval of the turn at each place.
 
     What the law states (the least of all turns is asked for, and a law of p coefficients is free in

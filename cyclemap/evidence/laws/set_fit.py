@@ -153,16 +153,19 @@ def motion_law(
     known = np.isfinite(values) & np.isfinite(angles)
     angles = angles[known]
     values = values[known]
+    law = None
     if values.size < FEWEST:
-        reason = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
-        return MotionLaw(quantity, angles, values, None, float("nan"), reason)
-    noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
-    try:
-        law = fit_periodic_law(
-            angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed
-        )
-    except (InvalidInput, ConvergenceError) as error:
-        return MotionLaw(quantity, angles, values, None, float("nan"), str(error))
+        problem = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
+    else:
+        noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
+        try:
+            law = fit_periodic_law(
+                angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed
+            )
+        except (InvalidInput, ConvergenceError) as error:
+            problem = str(error)
+    if law is None:
+        return MotionLaw(quantity, angles, values, None, float("nan"), problem)
     # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter
     # were chosen with all values: for a law of few coefficients that flatters it little.
     columns = fourier_columns(angles, law.harmonics)
@@ -304,17 +307,18 @@ def turn_histogram(
     seen = _empirical(grid, values)
     alone = _empirical(grid, centre)
     spread = _mixture(grid, centre, noise)
-    total_variation = _bin_distance(seen[::_FINER], spread[::_FINER])
+    seen_at, alone_at, spread_at = (column[::_FINER] for column in (seen, alone, spread))
+    total_variation = _bin_distance(seen_at, spread_at)
     null = _refitted_distances(
         angles, law, edges, whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
     )
     return TurnHistogram(
         edges=read_only(edges),
         measured=np.histogram(values, edges)[0],
-        predicted=read_only(values.size * np.diff(spread[::_FINER])),
-        law_alone=read_only(values.size * np.diff(alone[::_FINER])),
+        predicted=read_only(values.size * np.diff(spread_at)),
+        law_alone=read_only(values.size * np.diff(alone_at)),
         total_variation=total_variation,
-        law_alone_total_variation=_bin_distance(seen[::_FINER], alone[::_FINER]),
+        law_alone_total_variation=_bin_distance(seen_at, alone_at),
         distance=float(np.trapezoid(np.abs(seen - spread), grid)),
         law_alone_distance=float(np.trapezoid(np.abs(seen - alone), grid)),
         chance=monte_carlo_p_value(total_variation, null),

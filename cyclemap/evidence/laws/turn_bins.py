@@ -35,13 +35,13 @@ def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
     [(3.0, 3.0), (6.1, 6.483185307)]
     """
     places = np.sort(np.mod(finite_array("measured", measured, ndim=1), TWO_PI))
-    gaps = np.append(np.diff(places), places[0] + TWO_PI - places[-1])
-    ends = np.flatnonzero(gaps > GAP)
+    ends = np.flatnonzero(np.diff(places, append=places[0] + TWO_PI) > GAP)
     if not ends.size:
         return ((0.0, TWO_PI),)
-    begins = np.roll((ends + 1) % places.size, 1)
-    arcs = ((float(places[b]), float(places[e])) for b, e in zip(begins, ends, strict=True))
-    return tuple(sorted((low, high if high >= low else high + TWO_PI) for low, high in arcs))
+    low = places[(np.roll(ends, 1) + 1) % places.size]
+    high = places[ends]
+    high = np.where(high >= low, high, high + TWO_PI)
+    return tuple(sorted(zip(low.tolist(), high.tolist(), strict=True)))
 
 
 def is_covered(measured: ArrayLike, theta: ArrayLike) -> Mask:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
+from cyclemap.mechanics.slider import Pusher
 
-MIT_ROD_RADIUS = 0.00475
+MIT_ROD_RADIUS = Pusher().radius
 # The rod's centre lies this close to one radius from the outline while it touches: poses and clocks
 # are no better.
 CONTACT_SLACK = 0.003
@@ -234,4 +235,4 @@ def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[
     share = np.sum((points[:, None] - first) * edge, axis=-1) / squares
     on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
     nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
-    return np.asarray(on_edge[np.arange(len(points)), nearest]), nearest
+    return on_edge[np.arange(len(points)), nearest], nearest

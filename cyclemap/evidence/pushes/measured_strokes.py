@@ -257,12 +257,11 @@ def told_push(push: SidePush, facts: Row, length: float) -> SidePush:
 def measured_drags(rows: pandas.DataFrame) -> tuple[MeasuredDrag, ...]:
     """Return the drags of rows, as `known_columns` tells them, with a pose before and after."""
     ends = rows["theta1"] + shorter_way(rows["theta_next"] - rows["theta1"])
-    return tuple(
-        MeasuredDrag(Pose(x1, y1, theta1), Pose(x2, y2, theta2), label)
-        for label, (x1, y1, theta1, x2, y2, theta2) in enumerate(
-            zip(*(rows[name] for name in DRAG_ENDS[:5]), ends, strict=True)
-        )
-    )
+    poses = rows[[*DRAG_ENDS]].assign(theta_next=ends).to_numpy().tolist()
+    drags = []
+    for label, (x1, y1, theta1, x2, y2, theta2) in enumerate(poses):
+        drags.append(MeasuredDrag(Pose(x1, y1, theta1), Pose(x2, y2, theta2), label))
+    return tuple(drags)
 
 
 def push_noise(read: tuple[float, float]) -> Array:

@@ -108,15 +108,21 @@ def _posed(table: CsvTable, convention: Convention) -> pandas.DataFrame:
     _refuse_degrees(table, written)
     frame = convention.rows(written)
     _refuse_other_units(table, frame)
-    rod = np.hypot(frame["tip_x1"] - frame["tip_x0"], frame["tip_y1"] - frame["tip_y0"])
-    frame["length"] = rod.fillna(frame["length"])
-    turn = shorter_way(frame["theta1"] - frame["theta0"])
-    frame["dtheta"] = frame["dtheta"].where(frame["dtheta"].notna(), turn)
-    frame["theta1"] = frame["theta0"] + frame["dtheta"]
-    frame["theta_next"] = frame["theta1"] + shorter_way(frame["theta_next"] - frame["theta1"])
-    moved = frame["x1"] - frame["x0"] + 1j * (frame["y1"] - frame["y0"])
-    moved = (moved * np.exp(-1j * frame["theta0"])).to_numpy()
-    return frame.assign(dx=moved.real, dy=moved.imag, samples=0)
+    x0, y0, theta0, x1, y1, theta1 = frame[[*ENDS]].to_numpy().T
+    tip_x0, tip_y0, tip_x1, tip_y1 = frame[[*RODS]].to_numpy().T
+    moved = (x1 - x0 + 1j * (y1 - y0)) * np.exp(-1j * theta0)
+    turn = np.where(frame["dtheta"].notna(), frame["dtheta"], shorter_way(theta1 - theta0))
+    end = theta0 + turn
+    rod = np.hypot(tip_x1 - tip_x0, tip_y1 - tip_y0)
+    return frame.assign(
+        length=np.where(np.isnan(rod), frame["length"], rod),
+        dx=moved.real,
+        dy=moved.imag,
+        dtheta=turn,
+        theta1=end,
+        theta_next=end + shorter_way(frame["theta_next"] - end),
+        samples=0,
+    )
 
 
 def _refuse_degrees(table: CsvTable, frame: pandas.DataFrame) -> None:
@@ -406,11 +412,9 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
     if not path.is_dir():
         return [path], []
     errors = list[OSError]()
-    below = [
-        Path(folder, name)
-        for folder, _, names in os.walk(path, onerror=errors.append)
-        for name in names
-    ]
+    below = list[Path]()
+    for folder, _, names in os.walk(path, onerror=errors.append):
+        below += [Path(folder, name) for name in names]
     files = sorted(file for file in below if is_record(file) or is_csv(file))
     if not files:
         raise InvalidInput(

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.tables.columns import Row
@@ -362,7 +362,7 @@ def _require_said(facts: PushFacts | ScanFacts, seen: PushFacts | ScanFacts | No
         if isinstance(value, (int, float)) and fact in again:
             # Directions are written to nine decimals of a degree, and are the same a full turn on.
             both_unknown = math.isnan(value) and math.isnan(again[fact])
-            off = math.remainder(value - again[fact], 2.0 * math.pi)
+            off = math.remainder(value - again[fact], TWO_PI)
             is_said = both_unknown or abs(off) < 1e-10
         if not is_said:
             raise InvalidInput(

@@ -17,6 +17,7 @@ from enum import Enum
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.errors import DoubtfulInput
 from cyclemap.text_files import CsvTable, says_nothing
 
@@ -29,7 +30,7 @@ Row = dict[str, Any]
 Selection = Mapping[str, str | float]
 
 DEGREE = math.radians(1.0)
-ANGLE_UNITS = {"deg": DEGREE, "rad": 1.0, "turn": 2.0 * math.pi}
+ANGLE_UNITS = {"deg": DEGREE, "rad": 1.0, "turn": TWO_PI}
 LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 UNITS = ANGLE_UNITS | LENGTH_UNITS | TIME_UNITS

@@ -1,4 +1,5 @@
-"""What a column of any table means, and in which unit it is: the one place that decides it.
+"""What a column of any table means, and in which unit it is: the one place that decides it, and
+brings columns to SI units by our names.
 
 It is told (--columns, --units), or the column goes by a name of the MIT dataset, or by one that
 fits a pattern of `columns`; a unit is told by the column's name, by others like it, or guessed by
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +30,9 @@ from cyclemap.evidence.tables.columns import (
     Kind,
 )
 
+if TYPE_CHECKING:
+    import pandas
+
 # Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
 # metres of a table.
 _NO_RADIANS = 7.0
@@ -44,8 +49,6 @@ _MANY_TURNS = 200.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
 # on.
 _AN_EPOCH = 1e8
-
-
 # What may be told of a file beside its columns: the topic of a bag, the sheet of a workbook.
 OF_THE_FILE = ("pose", "sheet")
 # Words of a name that tell no column from another, where others stand beside them.
@@ -60,13 +63,20 @@ _TO_BE_TOLD = (*(name for name, known in COLUMNS.items() if known.patterns), "an
 _MIT_UNITS = {"speed": "v_mm_s", "acceleration": "a_mm_s2", "tip_error": "tip_err_mm"}
 _MIT_LETTERS = {"side": "i", "fraction": "s", "angle": "t"}
 _MIT_NAMES = _MIT_UNITS | _MIT_LETTERS
-
-
 # Pixels are no length, but are told from a name.
 _PIXELS = "px"
 _UNIT = re.compile(
     rf"[_\[(]({'|'.join(sorted([*UNITS, *UNIT_WORDS, _PIXELS], key=len, reverse=True))})[\])]*$"
 )
+# The cosine of an axis' tilt from which on it is upright.
+_UPRIGHT = 0.9
+# Names of turns about the upright axis, and of those about the others, which tilt an object by more
+# than this (rad) where it does not lie flat.
+_UPRIGHT_TURN = re.compile(r"(?:rz|rot_?z|yaw)_?[01]?")
+_TILT = re.compile(r"(?:rx|ry|rot_?x|rot_?y|roll|pitch)_?[01]?")
+_MOST_TILTED = 0.45
+# What robots write where they have no number.
+_NO_NUMBERS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0)
 
 
 def _bare(column: str) -> tuple[str, str]:
@@ -261,10 +271,11 @@ def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool
         is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
         around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE
         return len(known) == 1 and not around and _scatter(known[0]) > _ROUGH
+    if most >= _MANY_TURNS:
+        return False
     # Rows before and after pushes may take turns.
-    return most < _MANY_TURNS and any(
-        all(_goes_on_in_radians(values[::every]) for values in known) for every in (1, 2)
-    )
+    every_other = [values[::2] for values in known]
+    return all(map(_goes_on_in_radians, known)) or all(map(_goes_on_in_radians, every_other))
 
 
 def _goes_on_in_radians(values: Array) -> bool:
@@ -286,3 +297,121 @@ def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
             f"{name} runs from {angles.min():.3g} to {angles.max():.3g}: are these turns, or "
             "radians? Say --units turn or --units rad"
         )
+
+
+# -- in SI units
+
+
+def si_rows(
+    raw: Mapping[str, Array], meaning: Mapping[str, str], units: Sequence[str], growing: bool
+) -> tuple[pandas.DataFrame, list[str], set[str]]:
+    """Return the columns by our names, what is said of them, and whose unit is a guess."""
+    import pandas
+
+    raw, words = _without_stand_ins(raw, meaning)
+    columns = dict[str, Any]()
+    guessed = set[str]()
+    for name, column in meaning.items():
+        values = raw[column]
+        kind = COLUMNS[name].kind
+        said = ""
+        if kind is Kind.TEXT:
+            columns[name] = (
+                values if values.dtype.kind == "O" else [f"{own:.15g}" for own in values]
+            )
+        elif values.dtype.kind == "O":
+            raise InvalidInput(f"{column} holds texts, and {name} wants numbers")
+        else:
+            factor, said = unit_of(name, meaning, raw, units)
+            columns[name] = factor * np.where(np.isfinite(values), values, math.nan)
+            if kind is Kind.ANGLE and _UPRIGHT_TURN.fullmatch(bare_name(column)):
+                _refuse_tilts(column, raw, factor)
+        if "guessed" in said:
+            guessed.add(name)
+            if growing and kind is Kind.ANGLE:
+                raise InvalidInput(
+                    f"later rows may tell another unit of {column}: say it, --units deg or rad"
+                )
+        words.append(f"{column} read as {name}{said}")
+    unread = [column for column in raw if column not in meaning.values()]
+    if unread:
+        words.append(f"not read: {', '.join(unread)[:400]}")
+    rows = pandas.DataFrame(columns)
+    if "nanoseconds" in rows:
+        rows["t"] = rows.get("t", 0.0) + 1e-9 * rows.pop("nanoseconds")
+    return rows, words, guessed
+
+
+def _refuse_tilts(upright: str, raw: Mapping[str, Array], factor: float) -> None:
+    """Refuse turns about z beside others about x or y, in the same unit: they are no orientation on
+    a table.
+    """
+    for column, values in raw.items():
+        if values.dtype.kind != "f" or not _TILT.fullmatch(bare_name(column)):
+            continue
+        tilt = factor * float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+        if tilt > _MOST_TILTED:
+            raise InvalidInput(
+                f"{column} reaches {math.degrees(tilt):.3g} degrees, so that {upright} is not the "
+                "turn on the table: bring its poses into a frame with z up, or leave "
+                f"{column} out where it is not the object's"
+            )
+
+
+def _without_stand_ins(
+    raw: Mapping[str, Array], meaning: Mapping[str, str]
+) -> tuple[dict[str, Array], list[str]]:
+    """The columns of a file, NaN where a pose has what stands for no number, and what is said."""
+    cleaned = dict(raw)
+    words = list[str]()
+    for name, column in meaning.items():
+        if COLUMNS[name].kind in (Kind.ANGLE, Kind.PLACE):
+            none = np.isin(raw[column], _NO_NUMBERS)
+            if none.any():
+                cleaned[column] = np.where(none, math.nan, raw[column])
+                words.append(f"{column}: {none.sum()} of -999 or the like taken as no number")
+    return cleaned, words
+
+
+def with_headings(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
+    """Return orientations in place of quaternions, y to the right of x where that is up, as it is said."""
+    words = list[str]()
+    height = rows.pop("z") if "z" in rows else None
+    for end in ("", "0", "1"):
+        names = [f"{name}{end}" for name in QUATERNION]
+        if not {*names} <= {*rows}:
+            continue
+        heading, is_y_up = _heading(rows[names].to_numpy())
+        rows = rows.drop(columns=names).assign(**{f"theta{end}": heading})
+        if is_y_up:
+            if end or height is None or "y" not in rows:
+                raise InvalidInput("turns about y, which is up: give x, y, z with z up")
+            rows["y"] = -height
+            words.append("turns about y: taken as up, -z for y")
+    return rows, words
+
+
+def _heading(quaternions: Array) -> tuple[Array, bool]:
+    """The turn about the upright axis (n,), rad, of quaternions (n, 4) of any length, and whether
+    that is y.
+    """
+    from scipy.spatial.transform import Rotation
+
+    known = np.isfinite(quaternions).all(axis=1) & (quaternions != 0.0).any(axis=1)
+    turns = np.full((len(quaternions), 3, 3), math.nan)
+    if known.any():
+        turns[known] = Rotation.from_quat(quaternions[known]).as_matrix()
+    cosines = np.abs(turns[known][:, (1, 2), (1, 2)])
+    if known.any():
+        y_up, z_up = np.quantile(cosines, 0.1, axis=0) > _UPRIGHT
+    else:
+        y_up = True
+        z_up = True
+    if z_up:
+        return np.arctan2(turns[:, 1, 0], turns[:, 0, 0]), False
+    if y_up:
+        return np.arctan2(turns[:, 0, 2], turns[:, 2, 2]), True
+    raise InvalidInput(
+        "its quaternions turn about neither z nor y: bring its poses into the frame of the table, "
+        "z up"
+    )

@@ -16,7 +16,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from cyclemap.checks import require_room
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, located
 from cyclemap.evidence.tables.columns import QUATERNION
 from cyclemap.evidence.tables.text_tables import (
     Columns,
@@ -25,7 +25,6 @@ from cyclemap.evidence.tables.text_tables import (
     number_columns,
     text_columns,
 )
-from cyclemap.file_text import located
 from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_bytes, read_text
 
@@ -166,7 +165,7 @@ def _json(path: Path, text: str) -> Columns:
         values: dict[str, object] = {}
         _flatten("", row, values)
         flat.append(values)
-    _check_size(len(flat) * len({name for values in flat for name in values}))
+    _check_size(len(flat) * len(set[str]().union(*flat)))
     return number_columns(pandas.DataFrame(flat))
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cyclemap.arrays import Place, shorter_way
+from cyclemap.arrays import TWO_PI, Place, shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.tables.columns import DRAG_ENDS, ENDS, RODS
 from cyclemap.evidence.tables.own_files import raw_columns
@@ -279,7 +279,7 @@ class _Row:
         if start is None or not math.isnan(self.numbers(pose_columns("0"))[0]):
             return False
         planned = math.radians(self.numbers(("set_theta_deg",))[0])
-        return math.pi - abs(math.remainder(start.theta - planned, 2.0 * math.pi)) < _SWAPPED
+        return math.pi - abs(math.remainder(start.theta - planned, TWO_PI)) < _SWAPPED
 
     def _rod(self, start: Pose) -> list[float]:
         """Where the rod's centre was before and after a push, m: as a robot says, else as planned

@@ -311,11 +311,10 @@ def _home(poses: Array, errors: Array) -> tuple[Mask, float, str]:
     """
     generator = np.random.default_rng(0)
     limit = np.maximum(_AGREE * errors, _AGREE_LEAST)
-    rings = [
-        (int(agree.sum()), round(radius, 3), agree, sense)
-        for sense in (1.0, -1.0)
-        for agree, radius in _rings(poses, limit, sense, generator)
-    ]
+    rings = []
+    for sense in (1.0, -1.0):
+        for agree, radius in _rings(poses, limit, sense, generator):
+            rings.append((int(agree.sum()), round(radius, 3), agree, sense))
     if not rings:
         how = "of two kinds in turn: the first motion and every other one"
         return _in_turn(poses), 1.0, how

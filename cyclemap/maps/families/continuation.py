@@ -20,7 +20,6 @@ from cyclemap.maps.families.orbit_equations import (
     curve_direction,
     orbit_equations,
 )
-from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.orbit_means import orbit_angles
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
 
@@ -373,7 +372,7 @@ def orbit_branches(
     w = whole_number("winding", winding)
     branches: list[OrbitBranch] = []
 
-    def known(branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
+    def known(branch: OrbitBranch, p: float, orbit: Orbit) -> bool:
         """Whether the branch passes through the orbit, solved where the branch crosses the
         parameter.
         """
@@ -382,8 +381,7 @@ def orbit_branches(
         for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
             share = before[i] / (before[i] - after[i])
             near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
-            hops = np.round((member(near) - np.roll(near, -1)) / TWO_PI)
-            equations = OrbitEquations(family, hops, branch.winding, (within,))
+            equations = orbit_equations(family, near, p, branch.winding, within)
             at = np.append(near, p) / equations.scales
             solved = equations.solved(at, np.eye(at.size)[-1])
             if solved is not None and same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
@@ -398,7 +396,7 @@ def orbit_branches(
             regular = (
                 orbit.kind in ("stable", "unstable") and orbit.multiplier == orbit.left_multiplier
             )
-            if regular and not any(known(branch, float(p), member, orbit) for branch in branches):
+            if regular and not any(known(branch, float(p), orbit) for branch in branches):
                 branches.append(follow_orbit(family, orbit, within, at=float(p)))
     return branches
 

@@ -17,7 +17,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP, carried_round
+from cyclemap.maps.lifts.lift_checks import carried_round
 from cyclemap.progress import Progress, unheard
 
 ParametricFunction = Callable[..., Array]
@@ -212,16 +212,6 @@ def parameter_range(name: str, ends: Range) -> Range:
             f"{name} is ({first:g}, {last:g}): its low end must lie below its high end"
         )
     return first, last
-
-
-def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
-    """The limit of F at breaks ``theta`` from below (side -1) or above (1), to rounding.
-
-    The map reads its one-sided limits a few roundings beside the break; to first order that is
-    taken back here.
-    """
-    limit = circle_map.right(theta) if side > 0 else circle_map.left(theta)
-    return limit - side * SIDE_STEP * circle_map.derivative(theta, side)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,9 +17,9 @@ from cyclemap.maps.families.family import (
     ParameterTangent,
     Range,
     family_member,
-    limit_at_break,
     parameter_tangent,
 )
+from cyclemap.maps.lifts.branches import limit_at_break
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, differences, distance_to_break
 

@@ -4,7 +4,6 @@ its parameter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -25,7 +24,7 @@ from cyclemap.maps.families.family import (
 )
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
-from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
+from cyclemap.maps.operator.poisson_equation import FourierLaw, Function, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import Arc, Passage, killed_chain
@@ -130,7 +129,7 @@ class Response:
         return moved.reshape(angles.shape)
 
     @one_thread
-    def expectation(self, function: Callable[[Array], Array]) -> Estimate:
+    def expectation(self, function: Function) -> Estimate:
         """d/dp of E h(θ) under the stationary law; h as of ``TransferOperator.expectation``."""
         return self._estimated(function, 0.0)
 
@@ -187,7 +186,7 @@ class Response:
         """What ∂F/∂p, extrapolated, may be off by the maps' ``max_error``."""
         return (4.0 * self.near.error + self.far.error) / 3.0
 
-    def _estimated(self, function: Callable[[Array], Array], direct: float) -> Estimate:
+    def _estimated(self, function: Function, direct: float) -> Estimate:
         moved = []
         for basis in (self.basis, self.basis.refined()):
             theta, weight = basis.rule

@@ -33,8 +33,14 @@ _CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enou
 # After so many cycles: the longest period tried for locking, and how far beside the orbit, radians
 # over the period.
 _TRIALS = (
-    *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
-    *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
+    (16, 2, 0.5),
+    (48, 8, 0.3),
+    (128, 16, 0.1),
+    (128, 16, 1e-3),
+    (256, 16, 0.03),
+    (256, 16, 1e-5),
+    (512, 24, 0.01),
+    (512, 24, 1e-7),
 )
 _SIDES = np.array([[-1.0], [1.0]])
 _ONE_MORE = np.array([[0.0], [1.0]])

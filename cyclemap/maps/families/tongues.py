@@ -22,10 +22,10 @@ from cyclemap.maps.families.family import (
     Range,
     each_done,
     family_member,
-    limit_at_break,
     parameter_range,
     parameter_tangent,
 )
+from cyclemap.maps.lifts.branches import limit_at_break
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells, root_between
@@ -34,7 +34,6 @@ from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 from cyclemap.progress import Progress
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
-_FAR = 3.0  # radians
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
@@ -46,9 +45,8 @@ _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _QUARTIC = np.linalg.solve(np.vander(_QUARTERS).T, np.vander(np.linspace(0.0, 1.0, 33), 5).T)
 
 
-Extremum = tuple[
-    float, float
-]  # the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
+# the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
+Extremum = tuple[float, float]
 
 
 def extreme_displacement(
@@ -186,12 +184,10 @@ class EdgeSearch:
         would add to it.
 
         So scaled, M has the same slope on both sides of zero, whichever point of the orbit is
-        extreme there; far from zero the plain M/q is straighter.
+        extreme there.
         """
         trial = self.trial(p)
-        height = trial.extremum[0]
-        far = abs(height) > _FAR
-        return height / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
+        return trial.extremum[0] / self._gained(trial, np.ones_like)
 
     def edge(self) -> tuple[Estimate, Array, str, bool]:
         """The edge, its orbit, why it is one, whether the map folds there."""

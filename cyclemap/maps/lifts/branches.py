@@ -75,9 +75,8 @@ class MonotoneTable:
 
 TOUCH = 1e-12  # radians: a fold this near a level touches it
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
-_FLAT = (
-    1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
-)
+# slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
+_FLAT = 1e-11
 _UNKNOWN = 2
 
 
@@ -210,6 +209,16 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     return tuple(made)
 
 
+def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
+    """The limit of F at breaks ``theta`` from below (side -1) or above (1), to rounding.
+
+    The map reads its one-sided limits a few roundings beside the break; to first order that is
+    taken back here.
+    """
+    limit = circle_map.right(theta) if side > 0 else circle_map.left(theta)
+    return limit - side * SIDE_STEP * circle_map.derivative(theta, side)
+
+
 def cell_limits(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array]:
     """F at the start and at the end of each of its cells, its own limit where a break lies
     there.
@@ -223,8 +232,7 @@ def cell_limits(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array]:
         own = circle_map(start)
         right = circle_map.right(start)
         first[cells.cut] = np.where(np.abs(own - right) <= JUMP, own, right)
-        # The limit from below is read SIDE_STEP before the break: go on along the slope there.
-        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
+        last[before] = limit_at_break(circle_map, end, -1)
     return first, last
 
 

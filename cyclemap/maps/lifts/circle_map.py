@@ -41,14 +41,11 @@ from cyclemap.maps.lifts.piecewise_lifts import (
     lift_from_branches,
 )
 
-Recipe = tuple[
-    Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]
-]  # a call that makes the map again
+# a call that makes the map again
+Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]
 
 Angles = Any  # a float, or an array of them
 Wave = Callable[..., Angles]
-
-_NO_BREAKS = read_only(())
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -127,13 +124,8 @@ class CircleMap(MadeLift):
         made = lift if derivative is None and isinstance(lift, MadeLift) else None
         slope = derivative if made is None else made.derivative
         scalar = made.scalar() if made is not None and made.has_scalar else None
-        given = (
-            _NO_BREAKS
-            if isinstance(breaks, tuple) and not breaks
-            else finite_array("breaks", breaks, ndim=1)
-        )
         self._set(
-            breaks=read_only(np.unique(base_angles(given))) if given.size else _NO_BREAKS,
+            breaks=read_only(np.unique(base_angles(finite_array("breaks", breaks, ndim=1)))),
             degree=whole_number("degree", degree),
             max_error=non_negative_number("max_error", max_error),
             samples=0,

@@ -74,12 +74,7 @@ class Jet:
     __truediv__ = _lifted(lambda x, y: x / y)
     __rtruediv__ = _lifted(lambda x, y: y / x)
 
-    def __pow__(self, exponent: Jet | float) -> Jet:
-        if isinstance(exponent, Jet):
-            raise TypeError("an exponent that depends on θ")
-        whole = exponent == int(exponent)
-        power = int(exponent) if whole else self._jet(exponent).value
-        return Jet(self.value**power, power * self.value ** (power - 1) * self.slope)
+    __pow__ = _lifted(lambda x, y: x**y)
 
     def __bool__(self) -> bool:
         raise TypeError("an interval is neither true nor false")
@@ -104,15 +99,12 @@ class Jet:
         unknown.
         """
         arb = ball_library().arb
-        across = self._jet(across)
+        across = across if isinstance(across, Jet) else 0 * self + across
         angle = arb.atan2(self.value, across.value)
         if not across.value > 0 and self.value.contains(0):
             return Jet(angle, arb.nan())
         turned = across.value * self.slope - self.value * across.slope
         return Jet(angle, turned / (across.value * across.value + self.value * self.value))
-
-    def _jet(self, other: Jet | float) -> Jet:
-        return other if isinstance(other, Jet) else 0 * self + other
 
 
 IntervalLift = Callable[[Jet], Jet]

@@ -309,13 +309,7 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
     1.0
     """
     turn = finite_number("angle", angle)
-    moved = np.unique(base_angles(circle_map.breaks + turn))
-    if circle_map.pieces is not None:
-        cubic = circle_map.pieces.shifted(turn, turn)
-        return CircleMap.from_pieces(cubic, moved, circle_map.samples, circle_map.max_error)
-    back = CircleMap.rigid(-turn / TWO_PI)
-    forth = CircleMap.rigid(turn / TWO_PI)
-    return _composite([back, circle_map, forth], moved, circle_map.max_error)
+    return _moved(circle_map, turn, turn)
 
 
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
@@ -339,13 +333,18 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
     >>> round(float(shifted(CircleMap.rigid(0.25), -1)(0.0)), 6)
     -4.712389
     """
-    up = TWO_PI * whole_number("turns", turns)
+    return _moved(circle_map, 0.0, TWO_PI * whole_number("turns", turns))
+
+
+def _moved(circle_map: CircleMap, along: float, up: float) -> CircleMap:
+    """θ → F(θ - along) + up."""
+    breaks = np.unique(base_angles(circle_map.breaks + along))
     if circle_map.pieces is not None:
-        cubic = circle_map.pieces.shifted(0.0, up)
-        return CircleMap.from_pieces(
-            cubic, circle_map.breaks, circle_map.samples, circle_map.max_error
-        )
-    return _composite([circle_map, CircleMap.rigid(turns)], circle_map.breaks, circle_map.max_error)
+        cubic = circle_map.pieces.shifted(along, up)
+        return CircleMap.from_pieces(cubic, breaks, circle_map.samples, circle_map.max_error)
+    back = CircleMap.rigid(-along / TWO_PI)
+    forth = CircleMap.rigid(up / TWO_PI)
+    return _composite([back, circle_map, forth], breaks, circle_map.max_error)
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:

@@ -266,25 +266,6 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Level(MadeLift):
-    """A constant, radians."""
-
-    value: float
-
-    def __call__(self, theta: Array) -> Array:
-        """The lift at ``theta``, radians."""
-        return np.full_like(theta, self.value)
-
-    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
-        """Nothing, exactly."""
-        return np.zeros_like(theta), np.zeros_like(theta)
-
-    def scalar(self) -> Scalar:
-        """The same number for any."""
-        return lambda _: self.value
-
-
-@dataclass(frozen=True, eq=False)
 class GivenBranch(MadeLift):
     """A function that was given for [start, end] only, with its slope or None for differences."""
 

@@ -173,16 +173,14 @@ def is_rising(cells: Cells) -> Mask:
 
 RESOLUTION = 512  # cells a turn, at least
 MAX_CELLS = 2_000_000
-MAX_ROUGH = (
-    8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
-)
+# cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
+MAX_ROUGH = 8_000
 _LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
 _PASSES = 60
 GRAIN = 1e-4  # radians: distance of the probes
 _SKEW = 0.04  # of a cell's width: no probe in its middle, where an odd misfit is zero
-_NARROW = (
-    0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
-)
+# of the width that the resolution asks for: narrower cells of F are marked in its iterates
+_NARROW = 0.2
 _MISFIT = 1e-3  # of the cell's steepest rise: how far the probes may lie off the cubic
 _HIDDEN_JUMP = 1e-6  # radians: a rise within 32 INSET beyond what the slopes explain
 _LEVELS_AT_ONCE = 2_048
@@ -406,17 +404,10 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
         cubic += cells.shift * theta
         cubic -= iterate(circle_map, theta, cells.period)
         misfit[alike] = np.maximum(np.max(cubic, axis=1), -np.min(cubic, axis=1))
-    bend = 3.0 * (a + b - 2.0 * rise)  # the cubic's slope is a + 2(3 rise - 2a - b)t + bend t²
-    with np.errstate(divide="ignore", invalid="ignore"):
-        vertex = (2.0 * a + b - 3.0 * rise) / bend
-        least = a - bend * vertex * vertex
-    turns_twice = (
-        (a * b > 0.0)
-        & (vertex > 0.0)
-        & (vertex < 1.0)
-        & (least * a < 0.0)
-        & (np.abs(least) > nothing)
-    )
+    # The cubic's slope is the parabola with Bernstein's coefficients a, middle, b.
+    middle = 3.0 * rise - a - b
+    dip = (middle**2 - a * b) / np.maximum(np.abs(a) + 2.0 * np.abs(middle) + np.abs(b), 1e-300)
+    turns_twice = (a * b > 0.0) & (a * middle < 0.0) & (dip > nothing)
     return (misfit > _MISFIT * steepest + nothing) | turns_twice
 
 

@@ -4,7 +4,7 @@ expand.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,7 +20,7 @@ from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.lifts.scan import ranks
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
-from cyclemap.maps.operator.poisson_equation import StationaryLaw, checked_values
+from cyclemap.maps.operator.poisson_equation import Function, StationaryLaw, checked_values
 from cyclemap.maps.quadrature import Rule, gauss_rule
 
 _POINT = 1e-7  # radians: images shorter than this are points
@@ -344,7 +344,7 @@ class CellLaw(StationaryLaw):
 
     def expectation(
         self,
-        function: Callable[[Array], Array],
+        function: Function,
         rules: tuple[Rule, Rule] | None = None,
         direct: float = 0.0,
     ) -> Estimate:

@@ -334,13 +334,10 @@ def _blocks(theta: Array, weight: Array, cells: int) -> Iterator[tuple[Whole, Wh
 
 def _windows(theta: Array, weight: Array, cells: int) -> tuple[Whole, Array]:
     """The first of the cells that each node is spread over, and what of its weight each gets."""
-    # A cell in two parts, the first so short that its multiples are exact: nodes keep all their
-    # digits.
-    coarse = float(np.float32(TWO_PI / cells))
-    fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
-    nearest = np.rint(theta * (cells / TWO_PI))
-    place = ((theta - nearest * coarse) - nearest * fine) * (cells / TWO_PI)
-    reach = np.arange(_SPREAD) - (_SPREAD // 2 - 1) - (place < 0.0)[:, None]
+    width = TWO_PI / cells  # of which the remainder is exact: nodes keep all their digits
+    before, place = np.divmod(theta, width)
+    place = (place - before * (_TWO_PI_REST / cells)) / width
+    reach = np.arange(_SPREAD) - (_SPREAD // 2 - 1)
     across = 1.0 - ((reach - place[:, None]) / _HALF) ** 2
     window = np.i0(_BETA * np.sqrt(np.maximum(across, 0.0))) * (weight / np.i0(_BETA))[:, None]
-    return np.mod(nearest.astype(int) + reach[:, 0], cells), window
+    return np.mod(before.astype(int) + reach[0], cells), window

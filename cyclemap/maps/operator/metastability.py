@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Whole
+from cyclemap.arrays import TWO_PI, Array, Whole, even_angles
 from cyclemap.checks import read_only
 from cyclemap.maps.estimate import EPS, MATRIX, Estimate
 from cyclemap.maps.lifts.scan import bracketed_root
@@ -164,7 +164,7 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum) -> SlowChain | 
     largest = left[np.argmax(np.abs(left), axis=0), np.arange(count)]
     left = (left * np.conj(largest) / np.abs(largest)).real
     left[:, 0] = basis.mass
-    grid = TWO_PI * np.arange(_GRID * basis.modes) / (_GRID * basis.modes)
+    grid = even_angles(_GRID * basis.modes)
     return SlowChain(basis, grid, values, left, _weight(basis, grid, values, left))
 
 

@@ -11,7 +11,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
@@ -20,6 +20,8 @@ from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.quadrature import Rule
+
+Function = Callable[[Array], Array]
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 _POINTS = 8  # grid points a basis function
@@ -130,7 +132,7 @@ class StationaryLaw:
     def grid(self) -> tuple[Array, Array]:
         """A uniform grid of at least eight points a basis function, and the density there."""
         count = 1 << int(np.ceil(np.log2(_POINTS * self.basis.size)))
-        grid = TWO_PI * np.arange(count) / count
+        grid = even_angles(count)
         return grid, self.density(grid)
 
     def density(self, theta: Array) -> Array:
@@ -261,7 +263,7 @@ class FourierLaw(StationaryLaw):
         epsilon = basis.map.max_error
         if epsilon == 0.0:
             return np.zeros(1)
-        where = TWO_PI * np.arange(basis.modes) / basis.modes
+        where = even_angles(basis.modes)
         mass: Array = np.abs(self.masses)
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
         at = basis.rule[0][held]
@@ -270,7 +272,7 @@ class FourierLaw(StationaryLaw):
 
     def expectation(
         self,
-        function: Callable[[Array], Array],
+        function: Function,
         rules: tuple[Rule, Rule] | None = None,
         direct: float = 0.0,
     ) -> Estimate:
@@ -347,7 +349,7 @@ class FourierLaw(StationaryLaw):
         return Estimate(spread, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(spread)))
 
 
-def checked_values(function: Callable[[Array], Array], theta: Array) -> Array:
+def checked_values(function: Function, theta: Array) -> Array:
     """h at the angles, or InvalidInput."""
     if not callable(function):
         raise InvalidInput(f"function is {function!r}: give a callable of an array of angles")

@@ -227,13 +227,12 @@ def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> 
     Any vectors of such an eigenvalue's left space may come out of an iteration, some at right
     angles to the right one.
     """
-    paired = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
+    paired = np.empty_like(right)
     for value in values:
         copies = np.abs(values - value) <= _SAME
-        opposite = np.abs(others - value) <= _SAME
-        if np.sum(copies) > 1:
-            overlap = left[:, opposite].T @ right[:, copies]
-            paired[:, copies] = left[:, opposite] @ np.linalg.pinv(overlap).T
+        apart = np.abs(others - value)
+        opposite = left[:, apart <= max(_SAME, np.min(apart))]
+        paired[:, copies] = opposite @ np.linalg.pinv(opposite.T @ right[:, copies]).T
     return paired
 
 
@@ -252,9 +251,8 @@ def _error_bounds(
         most its row sums.
     """
     if finer.size == basis.size:
-        # Real columns: with complex ones all waves would be made complex first.
-        carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))
-        carried = np.ascontiguousarray(carried).view(np.complex128)
+        # In real columns: with complex ones all waves would be made complex first.
+        carried = finer.cycle(right.real) + 1j * finer.cycle(right.imag)
         rows = np.sum(np.abs(left.T @ carried - np.diag(values)), axis=1, where=same)
         return np.asarray(np.max(np.where(same, rows, 0.0), axis=1))
     from scipy.optimize import linear_sum_assignment

@@ -4,12 +4,10 @@ is read off it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
@@ -20,9 +18,9 @@ from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, requir
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise import Noise, require_noise
 from cyclemap.maps.operator.cells import CellLaw, cell_law
-from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, needed_modes
+from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation, needed_modes
 from cyclemap.maps.operator.metastability import MetastableSet, slow_chain
-from cyclemap.maps.operator.poisson_equation import Discretisation, FourierLaw
+from cyclemap.maps.operator.poisson_equation import Discretisation, FourierLaw, Function
 from cyclemap.maps.operator.spectrum import (
     Spectrum,
     leading_spectrum,
@@ -32,8 +30,6 @@ from cyclemap.maps.operator.spectrum import (
 )
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 from cyclemap.one_thread import one_thread
-
-Function = Callable[[Array], Array]
 
 
 def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
@@ -289,7 +285,7 @@ class TransferOperator:
         return peaks_of(self.law.slope, *self.law.grid, 4.0 * self.error_bound)
 
     @one_thread
-    def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
+    def eigenvalues(self, k: int) -> Complex:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
 
         Fewer are returned only when the basis has fewer functions. Small operators are solved

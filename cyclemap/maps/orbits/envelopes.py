@@ -4,7 +4,7 @@ levels).
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import ceil
 
 import numpy as np
@@ -14,7 +14,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.branches import cell_limits
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
-from cyclemap.maps.lifts.piecewise_lifts import Level, Piece, on_base_turn
+from cyclemap.maps.lifts.piecewise_lifts import GivenBranch, Piece, on_base_turn
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 SLACK = 1e-12  # radians: a smaller descent is rounding
@@ -127,17 +127,8 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
 
 
 def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
-    """The upper envelope, or with ``mirror`` -1 the lower one."""
+    """The upper envelope, or with ``mirror`` -1 the lower one: F, and on each plateau its level."""
     require_degree_one(circle_map, "rotation")
-    return _with_plateaus(circle_map, *envelope_plateaus(circle_map, mirror))
-
-
-def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Array, Array, float]:
-    """Starts, ends and levels of one turn of the upper envelope's plateaus (``mirror`` -1: the
-    lower one's), radians.
-
-    And what levels and ends may be off.
-    """
     theta, value, steepest = _skeleton(circle_map)
     if mirror > 0.0:
         start, end, level = _plateaus(circle_map, theta, value, 1.0)
@@ -145,7 +136,16 @@ def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Arra
         end, start, level = (
             -column[::-1] for column in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
         )
-    return start, end, level, circle_map.max_error + SIDE_STEP * steepest
+    if start.size == 0:
+        return circle_map
+    pieces = []
+    following = np.append(start[1:], start[0] + TWO_PI)
+    for first, last, height, after in zip(start, end, level, following, strict=True):
+        flat = GivenBranch(partial(np.full_like, fill_value=height), np.zeros_like, first, last)
+        pieces += [Piece(first, last, flat), Piece(last, after, circle_map)]
+    breaks = np.concatenate([start, end, circle_map.breaks])
+    error = circle_map.max_error + SIDE_STEP * steepest
+    return CircleMap(on_base_turn(pieces, 1), None, breaks, max_error=error)
 
 
 @lru_cache(maxsize=2)  # both envelopes and the descent of one map ask for it
@@ -189,20 +189,3 @@ def _plateaus(
     met = bracketed_root(lambda x, index: residual(x, level[index]), low, high)
     end = np.where((high > low) & (residual(high, level) > 0.0), met, theta[after])
     return theta[first], end, level
-
-
-def _with_plateaus(
-    circle_map: CircleMap, start: Array, end: Array, level: Array, inexact: float
-) -> CircleMap:
-    """The map with F replaced by ``level`` on each [start, end], the plateaus given for one turn.
-
-    inexact : radians, what the envelope may be off.
-    """
-    if start.size == 0:
-        return circle_map
-    pieces = []
-    following = np.append(start[1:], start[0] + TWO_PI)
-    for first, last, height, after in zip(start, end, level, following, strict=True):
-        pieces += [Piece(first, last, Level(height)), Piece(last, after, circle_map)]
-    breaks = np.concatenate([start, end, circle_map.breaks])
-    return CircleMap(on_base_turn(pieces, 1), None, breaks, max_error=inexact)

@@ -294,13 +294,10 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
         orbit = _attracting_orbit(circle_map, float(last), int(period))
         if orbit is not None:
             return _exponent_of(circle_map, orbit)
-    slopes, errors = circle_map.derivative_and_error(visited)
-    stretch = np.abs(slopes)
-    if np.any(stretch == 0.0):
-        return Estimate(float("-inf"), 0.0)
-    values = np.log(stretch)
-    inexact = _from_slopes(errors, stretch)
+    values, inexact = _log_slopes(circle_map, visited, 0.0)
     smooth = weighted_mean(values)
+    if np.isneginf(smooth):
+        return smooth
     means = values.reshape(_BATCHES, -1).mean(axis=1)
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
     if smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth)):
@@ -308,10 +305,16 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     return Estimate(float(np.mean(values)), DEVIATIONS * spread + inexact)
 
 
-def _from_slopes(errors: Array, stretch: Array) -> float:
-    """What the errors of F' make of the mean of ln|F'|; inf where F' may be zero."""
-    share = errors / stretch
-    return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
+def _log_slopes(circle_map: CircleMap, theta: Array, off: float) -> tuple[Array, float]:
+    """ln|F'| at angles that may be off by so much, and what the errors of F' make of its mean: inf
+    where F' may be zero.
+    """
+    slopes, errors = slope_and_error_beside(circle_map, theta, off)
+    with np.errstate(divide="ignore"):
+        values = np.log(np.abs(slopes))
+    if np.any(errors >= np.abs(slopes)):
+        return values, float("inf")
+    return values, float(-np.mean(np.log1p(-errors / np.abs(slopes))))
 
 
 def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:
@@ -333,13 +336,11 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
-    stretch = np.abs(circle_map.derivative(points))
-    if np.any(stretch == 0.0):
-        return Estimate(float("-inf"), 0.0)
-    exponent = float(np.mean(np.log(stretch)))
     # The orbit is known to rounding over 1 - |multiplier|.
-    gap = 1.0 - min(float(np.prod(stretch)), 1.0 - EPS)
-    shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / gap
-    _, errors = slope_and_error_beside(circle_map, points, shift)
-    rounding = 8.0 * EPS * (1.0 + abs(exponent))
-    return Estimate(exponent, _from_slopes(errors, stretch) + rounding)
+    multiplier = abs(float(np.prod(circle_map.derivative(points))))
+    off = 16.0 * EPS * (1.0 + float(np.max(points))) / (1.0 - min(multiplier, 1.0 - EPS))
+    values, inexact = _log_slopes(circle_map, points, off)
+    exponent = float(np.mean(values))
+    if exponent == -np.inf:
+        return Estimate(exponent, 0.0)
+    return Estimate(exponent, inexact + 8.0 * EPS * (1.0 + abs(exponent)))

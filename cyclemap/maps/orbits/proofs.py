@@ -30,17 +30,10 @@ _PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
 _START_CELLS = 32
 _MOST_CELLS = 200_000
-_NARROWEST = (
-    1e-13  # radians: a cell this narrow that decides nothing holds a tangency, or nearly one
-)
-_CUTS = (
-    0.0131,
-    1.6127,
-    3.1923,
-    4.7719,
-    5.5512,
-    2.3456,
-)  # where a turn may be cut: no number of mathematics
+# radians: a cell this narrow that decides nothing holds a tangency, or nearly one
+_NARROWEST = 1e-13
+# where a turn may be cut: no number of mathematics
+_CUTS = 0.0131, 1.6127, 3.1923, 4.7719, 5.5512, 2.3456
 _SEAM = 1e-12  # radians on both sides of the cut that must be free of points
 _NEWTON_STEPS = 2  # from a root that is good to a float's digits
 _FLAT = 1e-6  # radians: an arc this narrow on which the sign of F' cannot be told may be flat

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, stretches
+from cyclemap.arrays import TWO_PI, Array, even_angles, stretches
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
@@ -178,7 +178,7 @@ def predict_staircase(
     known = transfer_operator(circle_map, noise) if operator is None else operator
     require_degree_one(circle_map, "a staircase")
     mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
-    turn = circle_map.turn(TWO_PI * np.arange(_GRID) / _GRID)
+    turn = circle_map.turn(even_angles(_GRID))
     zones = []
     if np.ptp(turn) > _FLAT:
         zones = _stable_zones(circle_map, noise) or _ghosts(circle_map, noise, known, turn)

@@ -58,11 +58,9 @@ def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
     return figure
 
 
-def write_page(
-    figure: Figure, title: str, words: Iterable[str] = (), foot: str = "", key: str = ""
-) -> Room:
+def write_page(figure: Figure, title: str, words: Iterable[str] = (), foot: str = "") -> Room:
     """Write the title, the sentences below it (those that are empty left out), and what is small at
-    the foot, and at its right the key of a drawing; return what is left between them.
+    the foot; return what is left between them.
     """
     width, height = figure.get_size_inches().tolist()
     wide, y = width - 0.4, 0.1
@@ -76,20 +74,17 @@ def write_page(
     lines = _wrapped(" ".join(filter(None, words)), _SAID, wide)
     _write(figure, y, lines, fontsize=10, linespacing=1.35)
     y += len(lines) * 0.197
-    beside = max(_text_width(line, _KEYED) for line in key.split("\n"))
-    at_foot: Look = {"va": "bottom", "fontsize": 8, "color": QUIET, "linespacing": 1.35}
-    _write(figure, height - 0.1, [key] if key else [], x=width - 0.2, ha="right", **at_foot)
-    paragraphs = [_wrapped(block, _KEYED, wide - beside - 0.2) for block in foot.split("\n")]
-    lines = [line for paragraph in paragraphs for line in paragraph]
-    _write(figure, height - 0.1, lines, **at_foot)
+    lines = [line for block in foot.split("\n") for line in _wrapped(block, _KEYED, wide)]
+    look: Look = {"va": "bottom", "fontsize": 8, "color": QUIET, "linespacing": 1.35}
+    _write(figure, height - 0.1, lines, **look)
     return (0.16 * len(lines) + 0.12 * bool(lines)) / height, 1.0 - y / height
 
 
-def _write(figure: Figure, y: float, lines: list[str], x: float = 0.2, **look: Any) -> None:
-    """Write lines, if any, from a place in inches from the left and from the top."""
+def _write(figure: Figure, y: float, lines: list[str], **look: Any) -> None:
+    """Write lines, if any, at the left edge, from so many inches below the top."""
     width, height = figure.get_size_inches().tolist()
     if lines:
-        figure.text(x / width, 1.0 - y / height, "\n".join(lines), **{"va": "top", **look})
+        figure.text(0.2 / width, 1.0 - y / height, "\n".join(lines), **{"va": "top", **look})
 
 
 def _wrapped(text: str, font: FontProperties, width: float) -> list[str]:
@@ -103,17 +98,16 @@ def page(
     title: str = "",
     words: Iterable[str] = (),
     foot: str = "",
-    key: str = "",
     size: tuple[float, float] = (13.333, 7.5),
     **options: Any,
 ) -> tuple[Figure, list[Axes]]:
     """A figure of a size in inches with its words, and its panels in what these leave.
 
-    title, words, foot, key : of `write_page`.
+    title, words, foot : of `write_page`.
     layout, options : of `panels_in`.
     """
     figure = new_figure(*size)
-    room = write_page(figure, title, words, foot, key)
+    room = write_page(figure, title, words, foot)
     return figure, panels_in(figure, layout, room, **options)
 
 

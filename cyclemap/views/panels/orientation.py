@@ -5,7 +5,7 @@ often each is recorded, and how it climbs over the cycles.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 PER_DEGREE = np.pi / 180
 TURN = "turn of one cycle, f(θ0) - θ0 (°)"
 CIRCLE = np.linspace(0.0, TWO_PI, 721)
+SEEN: Look = {**DOTS, "label": "measured"}
+SEEN_BARS: Look = {**BARS, "label": "measured"}
 # An outcome of a push: its sign, its label, the factor from SI units, and the unit behind a number.
 OUTCOMES = {
     "dtheta": ("Δθ", "turn of the push, Δθ (°)", 1.0 / PER_DEGREE, "°"),
@@ -117,15 +119,15 @@ def draw_intervals(axes: Axes, known: Sequence[DirectionInterval]) -> None:
                 axes.axvspan(*band, label="may lie here", **{**BAND, "zorder": 0})
 
 
-def draw_measured(axes: Axes, theta: Array, value: Array, **look: Any) -> None:
+def draw_measured(axes: Axes, theta: Array, value: Array, look: Look = SEEN) -> None:
     """Measured values over orientations (rad), a light dot each."""
-    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, **{**DOTS, "label": "measured", **look})
+    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, **look)
 
 
-def draw_outcome(axes: Axes, theta: Array, values: Array, outcome: str, **look: Any) -> None:
+def draw_outcome(axes: Axes, theta: Array, values: Array, outcome: str, look: Look = SEEN) -> None:
     """Measured values (SI) of an outcome of pushes over orientations (rad)."""
     _, label, scale, _ = OUTCOMES[outcome]
-    draw_measured(axes, theta, scale * values, **look)
+    draw_measured(axes, theta, scale * values, look)
     degree_axis(axes)
     axes.set_ylabel(label)
 
@@ -213,14 +215,14 @@ def draw_recorded(
     """How often each orientation was recorded, and is predicted to be, in bins."""
     density_axes(axes)
     if measured is not None:
-        draw_histogram(axes, measured, "measured", fill=True, **BARS)
+        draw_histogram(axes, measured, {**SEEN_BARS, "fill": True})
     if predicted is not None:
-        draw_histogram(axes, predicted, "predicted", **LINE)
+        draw_histogram(axes, predicted, {**LINE, "label": "predicted"})
 
 
-def draw_histogram(axes: Axes, histogram: AngleHistogram, name: str, **look: Any) -> None:
+def draw_histogram(axes: Axes, histogram: AngleHistogram, look: Look) -> None:
     """The density of a histogram of orientations, per degree."""
-    axes.stairs(PER_DEGREE * histogram.density, np.degrees(histogram.edges), label=name, **look)
+    axes.stairs(PER_DEGREE * histogram.density, np.degrees(histogram.edges), **look)
 
 
 def draw_density(axes: Axes, theta: Array, density: Array, name: str = "predicted") -> None:

@@ -116,23 +116,31 @@ def draw_rotation_plane(
 
 
 def draw_shades(
-    axes: Axes, first: Array, second: Array, values: Array, label: str, **look: Any
+    axes: Axes,
+    first: Array,
+    second: Array,
+    values: Array,
+    label: str,
+    ticks: Array | None = None,
+    **look: Any,
 ) -> Colorbar:
     """Values (n, m) as colour over two axes, by the edges (n + 1,) and (m + 1,) of their cells, and
-    the scale beside them, which is returned.
+    the scale beside them with these ticks, which is returned.
     """
     mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
     axes.set_xlim(float(first.min()), float(first.max()))
     axes.set_ylim(float(second.min()), float(second.max()))
     axes.grid(visible=False)
-    return scale_beside(axes, mesh, label)
+    return scale_beside(axes, mesh, label, ticks)
 
 
-def scale_beside(axes: Axes, drawn: ScalarMappable, label: str) -> Colorbar:
+def scale_beside(
+    axes: Axes, drawn: ScalarMappable, label: str, ticks: Array | None = None
+) -> Colorbar:
     """The scale of the shades of what is drawn, at the right of the axes."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    return figure.colorbar(drawn, ax=axes, label=label)
+    return figure.colorbar(drawn, ax=axes, label=label, ticks=ticks)
 
 
 def mark_cells(axes: Axes, first: Array, second: Array, marked: Mask, **look: Any) -> None:

@@ -191,8 +191,8 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
 
 
 def cycle_key(cycle: Cycle) -> str:
-    """What the marks of the drawing mean, in two lines."""
+    """What the marks of the drawing mean."""
     return (
-        "dashed: before, solid: after  ·  path of the rod: solid sticks, dotted slides\n"
+        "dashed: before, solid: after  ·  path of the rod: solid sticks, dotted slides  ·  "
         f"arrows: force on the object, longest {strongest_force(cycle):.2g} N  ·  circle: ring"
     )

@@ -207,6 +207,18 @@ def test_pairs_keep_the_numbers_of_their_pushes() -> None:
     assert collection_data(Theta0Pairs(*ends), None).pairs.cycle.tolist() == list(range(18))
 
 
+def test_a_staircase_that_lacks_a_push_is_compared_over_its_longest_run_as_a_table_is() -> None:
+    """Two cycles in one step are no step of a simulated collection."""
+    number = np.delete(np.arange(20.0), 7)
+    path = 0.3 * number
+    turn = np.diff(path)
+    pairs = Theta0Pairs.along(path, turn, np.diff(number) == 1.0, number)
+    data = collection_data(pairs, None)
+    assert data.pairs.path_cycle.tolist() == list(range(8, 20))
+    assert data.pairs.cycle.tolist() == [*range(6), *range(8, 19)]
+    assert np.allclose(np.diff(data.pairs.path), 0.3)
+
+
 def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]

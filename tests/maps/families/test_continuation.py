@@ -63,6 +63,20 @@ def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form(
     assert [found.kind for found in branch.special] == kinds
 
 
+def test_a_branch_may_begin_on_its_own_saddle_node():
+    """Where the orbit cannot be held at its parameter, on the edge 2πΩ = K of the sine map's tongue."""
+    edge = 0.99 / TWO_PI
+    branch = follow_orbit(arnold(0.99), 0.5 * np.pi, (-0.4, 0.4), at=edge)
+    assert branch.ends == ("closed", "closed")
+    np.testing.assert_allclose(
+        branch.parameter, edge * np.sin(branch.points[:, 0]), rtol=0.0, atol=1e-15
+    )
+    sides = [np.sign(special.parameter) for special in branch.special]
+    assert set(sides) == {-1.0, 1.0}
+    for special, side in zip(branch.special, sides, strict=True):
+        assert special.kind == "saddle-node" and special.parameter.holds(side * edge)
+
+
 def test_a_branch_in_K_passes_its_saddle_node_and_its_period_doubling():
     omega = 0.1
     start = fixed_points(CircleMap.arnold(omega, 0.9))[0]
