@@ -94,32 +94,8 @@ class PatchFootprint:
 
     def __post_init__(self) -> None:
         outline = self.outline
-        for name in ("inner_share", "rim_share", "corner_share"):
-            vars(self)[name] = finite_number(name.replace("_", " "), getattr(self, name))
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise InvalidInput(
-                    f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1"
-                )
-        shares = (
-            f"inner share {self.inner_share}, rim share {self.rim_share} and corner share "
-            f"{self.corner_share}"
-        )
-        even_share = 1.0 - self.inner_share - self.rim_share - self.corner_share
-        if even_share < -_ROUNDING:
-            raise InvalidInput(
-                f"{shares} add to {1.0 - even_share:.6g}: together they may be 1 at most"
-            )
-        if self.corner_share != 0.0 and isinstance(outline, Ellipse):
-            raise InvalidInput(
-                f"corner share {self.corner_share}: an ellipse has no corners; choose 0"
-            )
         moments, corners, has_frame = _shape_of(outline)
-        if (self.inner_share != 0.0 or self.rim_share != 0.0) and not has_frame:
-            raise InvalidInput(
-                f"inner share {self.inner_share}, rim share {self.rim_share}: the outline scaled "
-                f"by {INNER} about its centroid does not lie inside this concave outline; leave "
-                "both at 0 or give support points"
-            )
+        even_share = self._even_share(has_frame)
         centre = (
             outline.centroid if self.centre is None else point("centre of pressure", self.centre)
         )
@@ -131,7 +107,7 @@ class PatchFootprint:
         lift = even_share + float((outline.points(720) - outline.centroid).dot(gradient).min())
         if lift < -_ROUNDING:
             raise InvalidInput(
-                f"centre of pressure {centre} m with {shares} lifts the outline off the ground "
+                f"centre of pressure {centre} m with {self._shares} lifts the outline off the ground "
                 f"(least pressure {lift:.3g} of the mean): bring it nearer to the centroid, leave "
                 "more of the load even, or give support points"
             )
@@ -144,6 +120,38 @@ class PatchFootprint:
             balance=balance,
             has_frame=has_frame,
         )
+
+    @property
+    def _shares(self) -> str:
+        return (
+            f"inner share {self.inner_share}, rim share {self.rim_share} and corner share "
+            f"{self.corner_share}"
+        )
+
+    def _even_share(self, has_frame: bool) -> float:
+        """What other shares leave of the load; refuses those that the outline cannot have."""
+        for name in ("inner_share", "rim_share", "corner_share"):
+            vars(self)[name] = finite_number(name.replace("_", " "), getattr(self, name))
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InvalidInput(
+                    f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1"
+                )
+        even_share = 1.0 - self.inner_share - self.rim_share - self.corner_share
+        if even_share < -_ROUNDING:
+            raise InvalidInput(
+                f"{self._shares} add to {1.0 - even_share:.6g}: together they may be 1 at most"
+            )
+        if self.corner_share != 0.0 and isinstance(self.outline, Ellipse):
+            raise InvalidInput(
+                f"corner share {self.corner_share}: an ellipse has no corners; choose 0"
+            )
+        if (self.inner_share != 0.0 or self.rim_share != 0.0) and not has_frame:
+            raise InvalidInput(
+                f"inner share {self.inner_share}, rim share {self.rim_share}: the outline scaled "
+                f"by {INNER} about its centroid does not lie inside this concave outline; leave "
+                "both at 0 or give support points"
+            )
+        return even_share
 
 
 @lru_cache(maxsize=256)

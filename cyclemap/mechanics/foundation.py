@@ -260,8 +260,8 @@ class PressedFootprint:
     def is_near(self, other: "PressedFootprint") -> bool:
         """Whether shapes, field and centre of another footprint are the same, but for rounding."""
         mine, theirs = (
-            np.concatenate([one.plate_bend, one.floor_bend, one.field_bend.ravel(), one.centre])
-            for one in (self, other)
+            np.concatenate([each.plate_bend, each.floor_bend, each.field_bend.ravel(), each.centre])
+            for each in (self, other)
         )
-        reaches = {None if one.field is None else one.field.reach for one in (self, other)}
+        reaches = {each.field and each.field.reach for each in (self, other)}
         return len(reaches) == 1 and bool(np.allclose(mine, theirs, rtol=1e-12, atol=1e-12))

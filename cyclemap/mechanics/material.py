@@ -490,7 +490,7 @@ class Material:
                     DoubtfulInput,
                     stacklevel=3,
                 )
-        names = [one.plate for one in self.plates]
+        names = [plate.plate for plate in self.plates]
         if len(set(names)) < len(names):
             raise InvalidInput(
                 f"a material tells the pressure of a plate twice: {', '.join(names)}"

@@ -2,7 +2,7 @@
    are rational curves, summed by Gauss's rules. Where it is bounded is found in boundary.c, its
    pressure in foundation.c. */
 
-enum { MOST_SIDES = 512, MOST_ARCS = 256, ARC_ROOM = 2 * MOST_ARCS };
+enum { MOST_SIDES = 512, MOST_ARCS = 128, ARC_ROOM = 2 * MOST_ARCS };
 /* Integrals of monomials over the contact. */
 enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
 /* Load and moments: of 1, x and y; and what balances them, c and l. */

@@ -30,15 +30,15 @@ def digest_of(folder: Path) -> str | None:
     """Return the digest of what the engine is made from; None in an installed package, which is
     without the C files.
     """
-    found = [
+    sources = [
         path
         for path in sorted(folder.iterdir())
         if path.suffix in (".c", ".py") and path.name not in _CALLERS
     ]
-    if not any(path.suffix == ".c" for path in found):
+    if not any(path.suffix == ".c" for path in sources):
         return None
     digest = hashlib.sha256()
-    for path in found:
+    for path in sources:
         content = path.read_bytes()
         digest.update(f"{path.name} {len(content)} ".encode() + content)
     return digest.hexdigest()
@@ -81,15 +81,15 @@ def _is_whole(content: bytes) -> bool:
 @cache
 def load() -> ctypes.CDLL:
     """Return the engine's library; EngineNotBuilt where there is none that may be used."""
-    library, table, number = open_engine(Path(__file__).parent), ctypes.c_void_p, ctypes.c_int64
-    library.cm_run.argtypes = (*(table,) * 3, number, number, *(table,) * 4)
+    library, table, whole = open_engine(Path(__file__).parent), ctypes.c_void_p, ctypes.c_int64
+    library.cm_run.argtypes = (*(table,) * 3, whole, whole, *(table,) * 4)
     library.cm_run.restype = None
-    library.cm_record.argtypes = (table, table, ctypes.c_double, table, number)
-    library.cm_record.restype = number
-    library.cm_friction.argtypes = (table, ctypes.c_double, table, table, number, table)
+    library.cm_record.argtypes = (table, table, ctypes.c_double, table, whole)
+    library.cm_record.restype = whole
+    library.cm_friction.argtypes = (table, ctypes.c_double, table, table, whole, table)
     library.cm_friction.restype = None
     library.cm_balance.argtypes = (table, table)
-    library.cm_balance.restype = number
+    library.cm_balance.restype = whole
     library.cm_press.argtypes = (table, ctypes.c_double, table)
     library.cm_press.restype = None
     return library

@@ -157,15 +157,15 @@ class Ran:
 
 
 def run(
-    strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, varied: Array | None = None
+    strokes: Sequence[Strokes], indices: NDArray[np.intp], poses: Array, varied: Array | None = None
 ) -> Ran:
-    """Run tasks: strokes by their `number` (n,) from poses (n, 3), in extents and rad; on all
+    """Run tasks: strokes by their `indices` (n,) from poses (n, 3), in extents and rad; on all
     cores, interruptibly.
 
     varied : (n, 3, k), the poses' derivatives by the first k of PARAMETERS; None: none are wanted.
     """
     loops, held = _packed(strokes)
-    tasks = np.column_stack([np.asarray(number, float), poses])
+    tasks = np.column_stack([np.asarray(indices, float), poses])
     tasks = np.ascontiguousarray(tasks, dtype=float).reshape(-1, TASK.size)
     count = len(tasks)
     given = np.zeros((count, 3, 0)) if varied is None else np.ascontiguousarray(varied, dtype=float)
@@ -190,15 +190,15 @@ def run(
     else:
         _on_threads(threads, work, stop)
     del held
-    found = RESULT.columns_of(results)
+    columns = RESULT.columns_of(results)
     return Ran(
-        status=found.status.astype(np.int64),
-        left=found.has_left == 1.0,
-        is_ambiguous=found.is_ambiguous == 1.0,
-        travel=found.travel,
-        pushed=found.pushed,
-        ended=found.ended,
-        way=found.way,
+        status=columns.status.astype(np.int64),
+        left=columns.has_left == 1.0,
+        is_ambiguous=columns.is_ambiguous == 1.0,
+        travel=columns.travel,
+        pushed=columns.pushed,
+        ended=columns.ended,
+        way=columns.way,
         derivatives=by,
     )
 
@@ -214,14 +214,14 @@ def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -
     task, room = np.array([0.0, *pose]), 512
     while True:
         rows = np.empty((room, RECORD.size))
-        found = load().cm_record(loops.ctypes.data, _address(task), longest, _address(rows), room)
-        if found != Status.RECORD_FULL:
+        count = load().cm_record(loops.ctypes.data, _address(task), longest, _address(rows), room)
+        if count != Status.RECORD_FULL:
             break
         room *= 4
     del held
-    if found < 0:
+    if count < 0:
         raise ConvergenceError("the motion's course cannot be followed: try another accuracy")
-    return rows[:found]
+    return rows[:count]
 
 
 def pressure_at(pressure: PressureTables, theta: float) -> Array:
