@@ -70,8 +70,8 @@ def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(
         "delrin",
         "pu",
     )
-    assert (scanned[0].mean, scanned[0].axis_ratio, scanned[0].offset) == pytest.approx(
-        (found.rows[0].mean, found.rows[0].axis_ratio, found.rows[0].offset), rel=1e-5
+    assert (scanned[0].mean, scanned[0].axis_ratio, scanned[0].anisotropy.offset) == pytest.approx(
+        (found.rows[0].mean, found.rows[0].axis_ratio, found.rows[0].anisotropy.offset), rel=1e-5
     )
     assert "fitted to recorded friction scans on plywood" in friction_caption(found)
 

@@ -75,7 +75,6 @@ def kernels() -> dict[str, ca.Function]:
         "lean", [twist, matrix, images, lean], [_leaning_edge(_Side(images), twist, matrix, lean)]
     )
     functions["line"] = function_of("line", [matrix, images], [_line(_Side(images), matrix)])
-    pressed_image = scale * _about_rotation(twist, matrix, pressure)
     # The wrench of a unit of load at a point.
     w = _velocity(twist, matrix, place)
     force = _square(matrix).T @ (w / _length(w))
@@ -85,14 +84,14 @@ def kernels() -> dict[str, ca.Function]:
         ("lean", [ends, lean], scale * _leaning_edge(own, twist, matrix, lean)[:3]),
         ("line", [ends], _line(own, matrix)[:3]),
         ("point", [place], wrench),
-        ("pressed_image", [pressure], pressed_image),
+        ("pressed_image", [pressure], _about_rotation(twist, matrix, pressure)),
     ):
         moved = ca.jtimes(sums, matrix, toward)
         functions[f"{name}_toward"] = function_of(
             f"{name}_toward", [twist, matrix, *given, toward], [moved]
         )
     functions["pressed_image"] = function_of(
-        "pressed_image", [twist, matrix, pressure], [pressed_image]
+        "pressed_image", [twist, matrix, pressure], [_about_rotation(twist, matrix, pressure)]
     )
     moved = _chord_toward(twist, matrix, chord, toward)
     functions["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
@@ -166,6 +165,10 @@ def _image(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
     return ca.vertcat(w, ca.norm_2(w))
 
 
+def _centre_of_rotation(twist: ca.SX) -> ca.SX:
+    return _left(twist[:2]) / twist[2]
+
+
 class _Side:
     """A straight side in the velocity plane: w = d n + t tau, and its integrals that keep their
     digits from afar.
@@ -225,11 +228,26 @@ def _edge(side: _Side, matrix: ca.SX) -> ca.SX:
 
 
 def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> ca.SX:
-    """The same of a pressure g . (r - r0), `lean` being (g, r0)."""
-    slope, start = lean[:2], lean[2:]
-    image = _about_rotation(twist, matrix, ca.vertcat(-ca.dot(slope, start), slope, 0, 0, 0))
-    sums = _pressed_side(side, image)
-    return _homogeneous(matrix, sums[0], sums[1:3], _symmetric(*ca.vertsplit(sums[3:])))
+    """The same of a pressure g . (r - r0), `lean` being (g, r0), as c + s . w in the velocity
+    plane:
+
+    int w |w| = 1/4 rim w |w| (w.n), int w_i grad |w| = rim w_i |w| n - e_i int |w|, and alike for
+    the Hessian.
+    """
+    # r = r_c + B^-1 w with B = omega M J; c is the pressure at the centre of rotation r_c.
+    m, g = _square(matrix), lean[:2]
+    s = _left(m @ g) / (twist[2] * ca.det(m))
+    level = ca.dot(g, _centre_of_rotation(twist) - lean[2:])
+    d, n, t, length, rise = side.d, side.n, side.t, side.length, side.rise
+    cube = rise * (side.s0**2 + side.s0 * side.s1 + side.s1**2) / 3
+    along = ca.dot(s, d * length * n + cube * t)
+    speed = d * (level * length / 3 + along / 4)
+    force = (level * length + along) * n - s * (d * length / 3)
+    # rim (s.w) (w/|w|) n^T - int (w/|w|) s^T, symmetric as a whole.
+    curve = side.across(side.moment, d * rise, d * d * side.angle)
+    rim = level * (d * side.angle * n + rise * t) + curve @ s
+    whole = rim @ n.T - length * n @ s.T
+    return _homogeneous(matrix, speed, force, (whole + whole.T) / 2)
 
 
 def _line(side: _Side, matrix: ca.SX) -> ca.SX:
@@ -249,15 +267,20 @@ def _parts_of(quadratic: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def _about_rotation(twist: ca.SX, matrix: ca.SX, pressure: ca.SX) -> ca.SX:
-    """Return a quadratic of places as one of w: (QUADRATIC.size, 1).
+    """Return a quadratic of places as one of w, over how areas grow: (QUADRATIC.size, 1).
 
-    r = r_c + B^-1 w with B = omega M J, r_c = z x v / omega the centre of rotation.
+    r = r_c + B^-1 w with B = omega M J, r_c the centre of rotation.
     """
-    (level, slope, bent), centre = _parts_of(pressure), _left(twist[:2]) / twist[2]
-    back = _left(_square(matrix)) / (twist[2] * ca.det(_square(matrix)))
+    (level, slope, bent), m, centre = (
+        _parts_of(pressure),
+        _square(matrix),
+        _centre_of_rotation(twist),
+    )
+    shrinks = 1 / (twist[2] * ca.det(m))
+    back = shrinks * _left(m).T
     level += ca.dot(centre, slope + bent @ centre)
-    slope = back @ (slope + 2 * bent @ centre)
-    return ca.vertcat(level, slope, _upper(back @ bent @ back.T))
+    slope = back.T @ (slope + 2 * bent @ centre)
+    return ca.vertcat(level, slope, _upper(back.T @ bent @ back)) * (shrinks / twist[2])
 
 
 def _pressed_side(side: _Side, quadratic: ca.SX) -> ca.SX:
