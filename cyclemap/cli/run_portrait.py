@@ -253,8 +253,15 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     bow = floor_bow(loop)
     is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
+    if asked.check and bow:
+        raise InvalidInput(
+            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
+            "mean pressures: set floor_bow=0, or ask for the portrait"
+        )
     if asked.check and not predicts:
-        raise InvalidInput(_why_unpredicted(bow))
+        raise InvalidInput(
+            "--check compares a prediction with the full map: name a MATERIAL or set its friction"
+        )
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
         numbers = fingerprint(loop, (lambda done: report(0.2 * done)) if asked.check else report)
@@ -287,15 +294,6 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
         sentences.uncertainty_sentence(name, known),
         "" if checked is None else fingerprint_page.check_sentence(checked),
     )
-
-
-def _why_unpredicted(bow: float) -> str:
-    if bow:
-        return (
-            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
-            "mean pressures: set floor_bow=0, or ask for the portrait"
-        )
-    return "--check compares a prediction with the full map: name a MATERIAL or set its friction"
 
 
 def _seven_numbers(numbers: Fingerprint) -> Table:
