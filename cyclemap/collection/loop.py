@@ -37,9 +37,9 @@ from cyclemap.mechanics import (
     Trajectory,
     load_material,
 )
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.cycle_batch import CycleSlopes, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
-from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.plate_footprint import plate_footprint
 from cyclemap.progress import Progress
 

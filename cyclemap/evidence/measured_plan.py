@@ -30,7 +30,7 @@ from cyclemap.evidence.tables.planned_table import (
     table_bytes,
 )
 from cyclemap.mechanics import Pose
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
 from cyclemap.progress import Progress, part_of

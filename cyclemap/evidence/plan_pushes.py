@@ -26,7 +26,7 @@ from cyclemap.evidence.push_design import (
 )
 from cyclemap.evidence.pushes.measured_strokes import READ, MeasuredPush, ReadErrors, push_noise
 from cyclemap.mechanics import Ellipse, Pose, SidePush, Slider
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.progress import Progress, unheard
 
 MOST_PUSHES = 32

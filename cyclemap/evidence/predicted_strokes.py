@@ -23,10 +23,10 @@ from cyclemap.evidence.identification.surface_parameters import (
 )
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Material, Pose, QuasiStaticModel, SidePush, Slider
+from cyclemap.mechanics.contact_curve import first_contact, first_touches
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
-from cyclemap.mechanics.first_touch import first_contact, first_touches
 from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint
 from cyclemap.mechanics.quasi_static import run_strokes

@@ -29,7 +29,7 @@ from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import LinearFit, fit_linear, fourier_columns
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Material, Pose
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 
 Push = Callable[[float], Sequence[float]]
 EndPose = Callable[[float, Place, Place], Sequence[float]]

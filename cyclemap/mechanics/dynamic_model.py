@@ -22,9 +22,9 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, point, positive_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.engine.schema import QUADRATIC
 from cyclemap.mechanics.engine.strokes import pressure_at, pressure_tables
-from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint, grid_footprint
 from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.friction import EllipseFriction

@@ -18,11 +18,16 @@ from cyclemap.errors import (
     TooManySteps,
     UnsupportedContact,
 )
-from cyclemap.mechanics.contact_curve import ContactCurve, contact_curve, side_coordinate
+from cyclemap.mechanics.contact_curve import (
+    OVERLAP,
+    ContactCurve,
+    contact_curve,
+    first_touches,
+    side_coordinate,
+)
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.schema import KINDS, LAW, PARAMETERS, PIECE, Status
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
-from cyclemap.mechanics.first_touch import OVERLAP, first_touches
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Outline

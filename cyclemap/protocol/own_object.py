@@ -14,7 +14,7 @@ import numpy as np
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.mechanics import Ellipse, Polygon, grid_footprint, load_material
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.outline import Outline
 from cyclemap.protocol.collection_file import names_surface, read_settings
 from cyclemap.protocol.setting_table import SETTINGS, Settings, without_noise

@@ -16,7 +16,7 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput, located, unknown_name
 from cyclemap.mechanics import SidePush
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.protocol.protocol_file import PUSH_UNITS, push_numbers
 from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.text_files import (

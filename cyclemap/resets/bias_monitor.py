@@ -161,9 +161,10 @@ class BiasMonitor:
     alarm: its law may be even in the long run, but its next hundred pushes repeat the last ones.
 
     The monitor changes as it is fed, for a collection has one course; each report is a value that
-    stays. A push costs less than a millisecond, however many came before, but for a dozen of
-    the first 48, which take some hundredths of a second where they may keep to an arc; the
-    orientations are kept. The same orientations give the same reports, θ0 wrapped or not.
+    stays. A push costs some tenths of a millisecond, however many came before, each 48th, which
+    ends a block, up to two milliseconds, and a dozen of the first 48 some hundredths of a second
+    where they may keep to an arc; the orientations are kept. The same orientations give the same
+    reports, θ0 wrapped or not.
 
     Examples
     --------

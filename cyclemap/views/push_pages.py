@@ -24,7 +24,7 @@ from cyclemap.evidence.plan_pushes import PushPlan
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.evidence.tables.pose_streams import Segments
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import entitle, grid_of, legend_above, page, rows_of

@@ -18,7 +18,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import angle_histogram
 from cyclemap.mechanics import SidePush
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.resets import (
     CycleAction,
     MaterialRange,

@@ -18,7 +18,7 @@ from cyclemap.collection.uncertain_directions import (
 )
 from cyclemap.maps import RestMultiplier, StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.protocol.setting_table import SETTINGS
 
 if TYPE_CHECKING:

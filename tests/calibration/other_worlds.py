@@ -11,8 +11,7 @@ from scipy.interpolate import CubicSpline
 import cyclemap as cm
 from cyclemap.collection import DynamicLoop
 from cyclemap.mechanics import DynamicModel, Ellipse, Pose, SidePush, WorldPush
-from cyclemap.mechanics.contact_curve import contact_curve
-from cyclemap.mechanics.first_touch import first_contact, first_touches
+from cyclemap.mechanics.contact_curve import contact_curve, first_contact, first_touches
 
 # Of the rod in the dynamic simulation, m/s: twice that of most of MIT's pushes.
 SPEED = 0.02

@@ -14,7 +14,7 @@ from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.push_design import Design, Target
 from cyclemap.mechanics import EllipseFriction, Material, Pose
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import probe_page, probe_sentences
 

@@ -12,8 +12,13 @@ from random_cases import distances
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.comparison.replay_table import dataset_sliders
 from cyclemap.mechanics import Polygon
-from cyclemap.mechanics.contact_curve import CornerPiece, SidePiece, contact_curve, side_coordinate
-from cyclemap.mechanics.first_touch import first_touches
+from cyclemap.mechanics.contact_curve import (
+    CornerPiece,
+    SidePiece,
+    contact_curve,
+    first_touches,
+    side_coordinate,
+)
 
 NOTCHED = Polygon([(0, 0), (4, 0), (4, 2), (2, 1), (0, 2)])
 SLOT = Polygon([(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)])

@@ -13,7 +13,7 @@ from refusals import refused
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.mechanics import Ellipse, EllipseFriction, FoundWith, Material, Polygon, load_material
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.protocol import loop_from_file, loop_from_settings
 from cyclemap.protocol.collection_file import (
     FILE_NAME,

@@ -28,7 +28,7 @@ from cyclemap.evidence.tables.columns import Row, Selection
 from cyclemap.evidence.tables.conventions import OURS, written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.mechanics import SidePush, material_names
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from cyclemap.arrays import Array, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.mechanics import Trajectory
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.views.panels.layout import entitle
 from cyclemap.views.panels.style import (
     FORCE,

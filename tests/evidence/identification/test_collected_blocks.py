@@ -31,7 +31,7 @@ from cyclemap.mechanics import (
     SidePush,
     load_material,
 )
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.protocol import loop_from_settings
 
 pytestmark = pytest.mark.slow

@@ -19,7 +19,7 @@ from cyclemap.evidence.tables.conventions import Convention, as_read_name, writt
 from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.contact_curve import first_contact
 
 pandas = pytest.importorskip("pandas")
 
