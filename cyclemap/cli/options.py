@@ -219,7 +219,7 @@ class TableOptions:
         "Of angles, lengths, times: deg, turn, mm, ms, ... by commas.", None, metavar="UNITS"
     )
     angles: str | None = option(
-        "How data count them, from above; compass: clockwise from y. [default: counter-]",
+        "How data count them, from above; compass: clockwise from y. [default: counter-clockwise]",
         None,
         type=click.Choice(["counter-clockwise", "clockwise", "compass"]),
     )
