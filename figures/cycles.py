@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import TWO_PI, Array, placed, turned
+from cyclemap.arrays import Array, even_angles, placed, turned
 from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
@@ -241,7 +241,7 @@ def inertia_study(
     """
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
-    theta, some = (TWO_PI * np.arange(count) / count for count in (orientations, fewer))
+    theta, some = (even_angles(count) for count in (orientations, fewer))
     differences = np.empty((2, len(speeds)))
     for row, each in zip(differences, (loop, twin), strict=True):
         slower = (

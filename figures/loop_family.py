@@ -13,7 +13,7 @@ from numpy.polynomial.chebyshev import chebpts2, chebval, chebvander
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import Array, even_angles
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import Anisotropy, with_anisotropy
@@ -99,7 +99,7 @@ def loop_family(
     grid = np.meshgrid(
         *(chebyshev_nodes(*ends, n) for ends, n in zip(ranges, nodes, strict=True)), indexing="ij"
     )
-    theta = TWO_PI * np.arange(angles) / angles
+    theta = even_angles(angles)
     places = np.reshape(grid, (len(nodes), -1)).T.tolist()
     turns = np.array([loop_at(*place).next_theta(theta) - theta for place in places])
     series = np.fft.rfft(turns, axis=-1) / angles

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import Array, even_angles
 from cyclemap.collection.fingerprint import TurnResponse, fingerprint
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
@@ -52,7 +52,7 @@ RADII, SCALES = (0.006, 0.034), (0.0, 1.5)
 # Turns a cycle, to which the shade is computed.
 TOLERANCE = 2e-4
 _ACCURACY = 1e-6
-_THETA = TWO_PI * np.arange(720) / 720
+_THETA = even_angles(720)
 LEVELS = (-5.0, 10.0, 20.0, 30.0)
 ROWS = (0.0, 0.25, 0.5, 1.0)
 

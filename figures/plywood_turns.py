@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from cyclemap.arrays import TWO_PI, Array, turned
+from cyclemap.arrays import TWO_PI, Array, even_angles, turned
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import isotropic_twin, worn_loop
@@ -250,7 +250,7 @@ class FloorShapes:
 
 def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
     """Run cycles from `angles` orientations on each floor, and look for measured ones."""
-    theta = TWO_PI * np.arange(angles) / angles
+    theta = even_angles(angles)
     plywood = CollectionLoop.mit(SURFACE, accuracy=_ACCURACY)
     even = isotropic_twin(plywood)
     footprint = PressedFootprint(even.slider.outline, floor=TROUGH)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, placed
+from cyclemap.arrays import TWO_PI, Array, even_angles, placed
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
@@ -211,7 +211,7 @@ def batch_experiment(
     """
     count = whole_number("batches", batches, least=1)
     report = progress or unheard
-    starts = TWO_PI * np.arange(count) / count
+    starts = even_angles(count)
     protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
     even = isotropic_twin(protocol)
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))

@@ -15,7 +15,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread, nodes_around, shorter_way
+from cyclemap.arrays import (
+    TWO_PI,
+    Array,
+    Mask,
+    even_angles,
+    evenly_spread,
+    nodes_around,
+    shorter_way,
+)
 from cyclemap.checks import finite_array, finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import on_material
@@ -122,7 +130,7 @@ def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Arr
         )
     chosen = evenly_spread(len(posterior), _SAMPLES)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
-    theta = TWO_PI * np.arange(_NODES) / _NODES
+    theta = even_angles(_NODES)
     turns = np.empty((len(chosen), _NODES))
     for row, index in enumerate(chosen):
         sample = on_material(stated, loop.material.sample(index))
@@ -348,7 +356,7 @@ def turns_after_log(
     count = whole_number("draws", draws, least=1)
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     nodes = believed.shape[1]
-    theta = TWO_PI * np.arange(nodes) / nodes
+    theta = even_angles(nodes)
     alike = np.exp(-2.0 * (np.sin(0.5 * (theta[:, None] - theta)) / WIDTH) ** 2)
     tried = [
         _filtered(believed, angles, alike, scatter * share, change)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array, evenly_spread, shorter_way
+from cyclemap.arrays import TWO_PI, Array, even_angles, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.mechanics import PressedFootprint
@@ -231,7 +231,7 @@ def _of_axis_ratio(stated: CollectionLoop, report: Progress) -> DirectionUncerta
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:
     """The stable points of each loop's map to first order about that of `loop`."""
-    theta = TWO_PI * np.arange(_NODES) / _NODES
+    theta = even_angles(_NODES)
     batch = run_batch((loop,), theta[None], len(PARAMETERS))
     by = dict(zip(PARAMETERS, batch.jacobian[0, :, -1].T, strict=True))
     law = loop.material.friction
@@ -310,7 +310,7 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees,
     0.02 beside a kink.
     """
-    theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
+    theta = np.tile(even_angles(_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
     cells = _cells(batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0)
     owners = np.repeat(np.arange(len(loops)), theta.shape[1])
@@ -348,7 +348,7 @@ def _cells(turn: Array, slope: Array) -> Array:
     slopes (k, n) at nodes evenly all around.
     """
     count = turn.shape[1]
-    start = TWO_PI * np.arange(count) / count
+    start = even_angles(count)
     ends = (turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
     return np.stack(np.broadcast_arrays(start, TWO_PI / count, *ends), -1).reshape(-1, 6)
 

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.identify import Identification, NamedInterval
@@ -54,7 +54,7 @@ T = TypeVar("T")
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
 _ALL_AROUND = 0.9
-_AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
+_AROUND = np.linspace(0.0, TWO_PI, 181)
 _BAND_DRAWS = 200
 POSTERIOR_SAMPLES = 200
 
@@ -106,7 +106,7 @@ _QUANTITIES: tuple[
         "direction of the ellipse's centre",
         "offset",
         "rad",
-        2.0 * math.pi,
+        TWO_PI,
         0.0,
         lambda at: math.atan2(at.offset_y, at.offset_x),
     ),

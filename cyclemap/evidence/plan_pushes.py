@@ -12,7 +12,7 @@ from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from cyclemap.arrays import Array, placed
+from cyclemap.arrays import TWO_PI, Array, placed
 from cyclemap.checks import non_negative_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, RodMissesObject
@@ -291,7 +291,7 @@ def candidate_pushes(
     Raises InvalidInput for an object without a place for the rod, or a grid of more than a turn.
     """
     whole_number("seed", seed, least=0)
-    if grid is not None and positive_number("grid", grid) > 2.0 * math.pi:
+    if grid is not None and positive_number("grid", grid) > TWO_PI:
         raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
     slider = loop.slider
     radius = loop.pusher.radius
@@ -313,7 +313,7 @@ def candidate_pushes(
     order = [*itertools.chain(*(rng.permutation(len(contacts)) for _ in range(rounds)))]
     offered = []
     for index in order[:count]:
-        turned = rng.uniform(0.0, 2.0 * math.pi)
+        turned = rng.uniform(0.0, TWO_PI)
         if grid is not None:
             turned = grid * math.floor(turned / grid)
         push = replace(contacts[index], distance=float(rng.choice(lengths)))

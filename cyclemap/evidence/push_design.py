@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array, evenly_spread
+from cyclemap.arrays import Array, even_angles, evenly_spread
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import InvalidInput
@@ -178,7 +178,7 @@ def target_of(known: SampledBeliefs, name: str, by: Array, noise: Array) -> Targ
     if name == "direction":
         return _direction(known)
     if name == "map":
-        theta = 2.0 * math.pi * np.arange(_ANGLES) / _ANGLES
+        theta = even_angles(_ANGLES)
         gradient = np.array(
             [cycle_map_by_unknowns(known.loop, values, theta)[2] for values in known.values]
         )
@@ -206,7 +206,7 @@ def cycle_map_by_unknowns(
     """Return turn (n,), its slope (n,) and derivatives (n, k) by UNKNOWNS of a loop's map at theta
     (n,), rad.
     """
-    nodes = 2.0 * math.pi * np.arange(_NODES) / _NODES
+    nodes = even_angles(_NODES)
     runs, by = cycles_by_unknowns(SurfaceParameters.from_values(values), loop, nodes)
     between = interpolation(theta, _NODES)
     slope = runs.jacobian[0, :, CYCLE_OUTPUTS.index("theta_next"), 0] - 1.0
@@ -216,7 +216,7 @@ def cycle_map_by_unknowns(
 
 def _direction(known: SampledBeliefs) -> Target:
     """The stable directions, and by how much the map locks or fails to."""
-    theta = 2.0 * math.pi * np.arange(_FINE) / _FINE
+    theta = even_angles(_FINE)
     rows = list[Array]()
     margins = list[float]()
     for values in known.values:

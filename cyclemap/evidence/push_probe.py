@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import optimize, stats
 
-from cyclemap.arrays import Array, Place
+from cyclemap.arrays import TWO_PI, Array, Place, even_angles
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import Anisotropy
@@ -46,7 +46,7 @@ OUTCOMES = ("dx", "dy", "dtheta")
 _ROUNDING = 1e-9
 # A map is asked for where it locks; no finer than intervals of probes are.
 _TOLERANCE = 1e-4
-_AROUND = np.linspace(0.0, 2.0 * math.pi, 721)
+_AROUND = np.linspace(0.0, TWO_PI, 721)
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
     (True, 1.085)
     """
     size = whole_number("pushes of a probe", count, least=FEWEST)
-    theta = 2.0 * math.pi * np.arange(size) / size
+    theta = even_angles(size)
     changes = []
     for angle in theta.tolist():
         given = push(angle)
@@ -261,8 +261,8 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
             f"{angles.size} orientations and {len(moved)} changes: give {FEWEST} or more, as many "
             "of both"
         )
-    gaps = np.diff(np.sort(np.mod(angles, 2.0 * math.pi)))
-    if max(float(gaps.max(initial=0.0)), 2.0 * math.pi - float(gaps.sum())) > 0.5 * math.pi:
+    gaps = np.diff(np.sort(np.mod(angles, TWO_PI)))
+    if max(float(gaps.max(initial=0.0)), TWO_PI - float(gaps.sum())) > 0.5 * math.pi:
         raise InvalidInput(
             "the orientations leave a gap of more than a quarter turn: push from all around"
         )
@@ -411,7 +411,7 @@ def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
         start = Pose(theta=theta)
         rod_start, rod_end = (start.to_world(*point.tolist()) for point in (place, last))
         x, y, turned = end_pose(theta, rod_start, rod_end)
-        return (*start.to_object(x, y), math.remainder(turned - theta, 2.0 * math.pi))
+        return (*start.to_object(x, y), math.remainder(turned - theta, TWO_PI))
 
     return push
 

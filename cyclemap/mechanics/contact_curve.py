@@ -20,7 +20,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 from cyclemap.mechanics.slider import SidePush, Slider
@@ -184,7 +184,7 @@ def side_coordinate(
             f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1"
         )
     if isinstance(outline, Ellipse):
-        return 0, 2.0 * math.pi * fraction, 2.0 * math.pi
+        return 0, TWO_PI * fraction, TWO_PI
     length = _raw_side(outline, int(side)).high
     for index, piece in enumerate(pieces):
         if (
@@ -306,7 +306,7 @@ def _raw_side(outline: Polygon, side: int) -> SidePiece:
 def _turn(side: SidePiece, following: SidePiece) -> float:
     """Angle from one side's normal to the next one's, in (-pi, pi]."""
     turn = following.normal - side.normal
-    return math.pi - (math.pi - turn) % (2.0 * math.pi)
+    return math.pi - (math.pi - turn) % TWO_PI
 
 
 def _near(raw: list[_RawPiece], radius: float) -> list[tuple[int, int]]:
@@ -416,7 +416,7 @@ def _corner_corner(
 
 def _angle_on(corner: CornerPiece, x: float, y: float) -> float:
     """Angle of (x, y), by whole turns the first one from the corner's low end on."""
-    return corner.low + (math.atan2(y, x) - corner.low) % (2.0 * math.pi)
+    return corner.low + (math.atan2(y, x) - corner.low) % TWO_PI
 
 
 # -- where a rod that moves straight first touches: of a push, and of any straight way
@@ -502,7 +502,7 @@ def _crossings_on_way(
         meetings, middle = [], 0.5 * (piece.low + piece.high)
         for sign in (-1.0, 1.0):
             x, y = (lever + (sign * half - along)[:, None] * toward).T
-            angle = middle + np.remainder(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi
+            angle = middle + np.remainder(np.arctan2(y, x) - middle + np.pi, TWO_PI) - np.pi
             meetings.append((sign * half - along, angle, np.full(len(starts), sign < 0.0)))
         return meetings
     a, b, meetings = piece.semi_x, piece.semi_y, []
@@ -511,7 +511,7 @@ def _crossings_on_way(
         facing = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
         low = np.arctan2(b * np.sin(facing - np.pi / 2.0), a * np.cos(facing - np.pi / 2.0))
         high = np.arctan2(b * np.sin(facing + np.pi / 2.0), a * np.cos(facing + np.pi / 2.0))
-        high = low + np.remainder(high - low, 2.0 * np.pi)
+        high = low + np.remainder(high - low, TWO_PI)
         aside, _ = _from_line(piece, radius, low, starts, toward)
         meets = aside * _from_line(piece, radius, high, starts, toward)[0] < 0.0
         for _ in range(_HALVINGS):

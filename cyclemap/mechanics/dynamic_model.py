@@ -19,7 +19,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import non_negative_number, point, positive_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import first_contact
@@ -360,7 +360,7 @@ class LegEquations:
         integrator, observed = _functions(self)
         parameters = np.array([*rod, *velocity, time, *self.physics])
         # Whole turns stay out, since the integrator's error is relative to what it integrates.
-        wound = 2.0 * np.pi * np.round(start[2] / (2.0 * np.pi)) * (np.arange(6) == 2)
+        wound = TWO_PI * np.round(start[2] / TWO_PI) * (np.arange(6) == 2)
         try:
             solved = integrator(x0=(start - wound) / _SCALES, p=parameters)
         except RuntimeError as cause:

@@ -1,6 +1,5 @@
 """Footprints: how the slider's weight is spread over its underside, exactly or on points."""
 
-import math
 import re
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, point, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.foundation import PressedFootprint
@@ -473,7 +472,7 @@ def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
     """
     outline = footprint.outline
     if isinstance(outline, Ellipse):
-        angle = 2.0 * math.pi * (np.arange(count) + 0.5) / count
+        angle = TWO_PI * (np.arange(count) + 0.5) / count
         around = np.stack([outline.semi_x * np.cos(angle), outline.semi_y * np.sin(angle)], axis=-1)
         return around, np.full(count, 1.0 / count)
     start, arms = outline.array, side_arms(outline)

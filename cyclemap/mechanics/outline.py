@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, positive_number
 from cyclemap.errors import InvalidInput
 
@@ -101,7 +101,7 @@ class Polygon:
         x, y = (self.array - place).T
         around = np.sort(np.arctan2(y, x))
         # From inside the hull the vertices are seen all around, without a gap of half a turn.
-        return bool(np.diff(around, append=around[0] + 2.0 * np.pi).max() < np.pi)
+        return bool(np.diff(around, append=around[0] + TWO_PI).max() < np.pi)
 
     def encloses(self, other: "Polygon") -> bool:
         """Whether another polygon lies inside, touching no side."""
@@ -188,7 +188,7 @@ class Ellipse:
 
     def points(self, count: int) -> Array:
         """Return the closed outline as a polyline (count + 1, 2), m."""
-        angle = np.linspace(0.0, 2.0 * np.pi, count + 1)
+        angle = np.linspace(0.0, TWO_PI, count + 1)
         return np.stack([self.semi_x * np.cos(angle), self.semi_y * np.sin(angle)], axis=-1)
 
     def bears(self, place: tuple[float, float]) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, placed
+from cyclemap.arrays import TWO_PI, Array, even_angles, placed
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import on_material
@@ -66,7 +66,7 @@ class SampledTurns:
 
         around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
         places = np.linspace(0.0, TWO_PI, around.shape[-1])
-        at = TWO_PI * np.arange(samples) / samples
+        at = even_angles(samples)
         return np.asarray(CubicSpline(places, around, axis=-1, bc_type="periodic")(at))
 
 
@@ -209,7 +209,7 @@ def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
     >>> map_turns([CircleMap.rigid(0.25)], samples=3).round(4).tolist()
     [[1.5708, 1.5708, 1.5708]]
     """
-    theta = TWO_PI * np.arange(samples) / samples
+    theta = even_angles(samples)
     return np.array([np.asarray(cycle_map(theta)) - theta for cycle_map in maps])
 
 

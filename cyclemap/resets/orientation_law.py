@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
@@ -44,7 +44,7 @@ def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
     """
     count = turn.shape[-1]
     orders = np.arange(1, modes + 1)
-    end = TWO_PI * np.arange(count) / count + turn
+    end = even_angles(count) + turn
     waves = (
         np.exp(-1j * orders[:, None] * end[..., None, :])
         * np.exp(-0.5 * (orders * sigma) ** 2)[:, None]
@@ -81,7 +81,7 @@ def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES
     start.
     """
     modes = kernel.shape[-1] // 2
-    theta = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(starts) / starts)
+    theta = np.arange(1, modes + 1)[:, None] * even_angles(starts)
     known = np.concatenate([np.cos(theta), -np.sin(theta)])
     ends = np.swapaxes(kernel[..., :-1, :-1] @ known + kernel[..., :-1, -1:], -1, -2)
     return np.asarray(np.minimum(total_variation(ends, samples).max(axis=-1), 1.0))
@@ -92,7 +92,7 @@ def _waves(modes: int, samples: int) -> Array:
     """The matrix (2M, samples) from coefficients to 2 pi times the density, less one, at equal
     steps.
     """
-    angle = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(samples) / samples)
+    angle = np.arange(1, modes + 1)[:, None] * even_angles(samples)
     return 2.0 * np.concatenate([np.cos(angle), -np.sin(angle)])
 
 

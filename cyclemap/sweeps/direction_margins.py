@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, even_angles, shorter_way
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.uncertain_directions import stable_points
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
@@ -271,7 +271,7 @@ class _Way:
         """Angles of a map at which Newton's method begins, and the kind of change that it seeks:
         where the slope passes that of one.
         """
-        theta = TWO_PI * np.arange(_NODES) / _NODES
+        theta = even_angles(_NODES)
         batch = run_batch((self.at(value),), theta[None], 1)
         slope = batch.jacobian[0, :, -1, 0]
         turn = np.abs(shorter_way(batch.theta_next[0] - theta))

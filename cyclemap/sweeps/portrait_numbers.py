@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
@@ -339,7 +340,7 @@ class _Work:
         ] * np.diff(pieces.knots)
         turn = self.map.turn(theta.T.ravel())
         error = self.map.max_error
-        below, above = (np.floor((turn + side * error) / (2.0 * np.pi)) for side in (-1.0, 1.0))
+        below, above = (np.floor((turn + side * error) / TWO_PI) for side in (-1.0, 1.0))
         clear = np.flatnonzero(below == above)
         if not clear.size:
             return False

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence import angle_histogram
 from cyclemap.mechanics import SidePush
@@ -193,7 +193,7 @@ def strategy_page(
         draw_staircase(last, theta)
         entitle(last, "Staircase")
         return figure
-    around = TWO_PI * np.arange(turns.shape[1]) / turns.shape[1]
+    around = even_angles(turns.shape[1])
     draw_turns(last, around, {"mean": strategy.shares @ turns}, (SECOND,))
     for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
         last.plot(np.degrees(around), turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)

@@ -9,6 +9,7 @@ import click
 import numpy as np
 from rich.table import Table
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.cli.collected.readable_data import (
     UNITS,
     facts_report,
@@ -173,7 +174,7 @@ def _law(motion: MotionLaw) -> Json:
     if law is None:
         return report
     unit = UNITS[motion.quantity]
-    noise = law.noise(np.linspace(0.0, 2 * np.pi, 361))
+    noise = law.noise(np.linspace(0.0, TWO_PI, 361))
     return {
         **report,
         **json_of(law, "count", "harmonics", "rmse", "percent", rmse=unit),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array, Mask, stretches
+from cyclemap.arrays import TWO_PI, Array, Mask, stretches
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, linear_block
@@ -161,8 +161,8 @@ def friction_scan_block(scans: Scans, weight: float) -> DataBlock:
 
 def _alike_directions(direction: Array) -> Labels:
     """Numbers from 0 of directions (n,), rad; those that differ by full turns are one."""
-    steps = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
-    turn = round(2.0 * math.pi / _SAME_DIRECTION)
+    steps = np.round(np.remainder(direction, TWO_PI) / _SAME_DIRECTION)
+    turn = round(TWO_PI / _SAME_DIRECTION)
     return np.unique(np.remainder(steps, turn), return_inverse=True)[1].reshape(-1)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import lagrange
 
-from cyclemap.arrays import Array, Place
+from cyclemap.arrays import Array, Place, even_angles
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -289,7 +289,7 @@ def interpolation(theta: ArrayLike, count: int) -> Array:
     >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
     True
     """
-    nodes = 2.0 * np.pi * np.arange(count) / count
+    nodes = even_angles(count)
     off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - nodes
     orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
     return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
@@ -391,7 +391,7 @@ class _CycleTurns:
         for name in WORN if worn else ():
             blended[name] = (1.0 - worn) * values[name] + worn * values[f"worn_{name}"]
         surface = SurfaceParameters.from_values(blended)
-        places = 2.0 * np.pi * np.arange(NODES) / NODES
+        places = even_angles(NODES)
         runs, by_unknowns = cycles_by_unknowns(surface, self.loop, places)
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 

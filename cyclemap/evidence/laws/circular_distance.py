@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.turn_bins import bin_shares
@@ -436,6 +436,6 @@ def kernel_modes(theta: ArrayLike, bandwidth: float = DEFAULT_BANDWIDTH) -> Arra
         return np.real(np.exp(1j * np.multiply.outer(at, order)) @ weights)
 
     count = 1 << int(np.ceil(np.log2(8 * order.size)))
-    grid = TWO_PI * np.arange(count) / count
+    grid = even_angles(count)
     values = 1.0 / TWO_PI + series(grid, weights)
     return peaks_of(lambda at: series(at, 1j * order * weights), grid, values, _LEAST_RISE)

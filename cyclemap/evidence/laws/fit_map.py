@@ -500,7 +500,7 @@ class MeasuredStaircase:
     def cycles_a_turn(self) -> float:
         """Cycles the path took to climb a full turn, on average;
         inf where it ended where it began."""
-        climb = abs(float(self.path[-1] - self.path[0])) / (2 * np.pi)
+        climb = abs(float(self.path[-1] - self.path[0])) / TWO_PI
         return (len(self.path) - 1) / climb if climb > 0.0 else float("inf")
 
 

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way, stretches
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, even_angles, shorter_way, stretches
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
@@ -35,7 +35,7 @@ _LATE = 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
 _WORN_IN = 0.25
 _GRID = 1440
-_AROUND = TWO_PI * np.arange(_GRID) / _GRID
+_AROUND = even_angles(_GRID)
 # Fewer cycles than these pass any place too seldom to tell wear from scatter.
 FEWEST_FOR_WEAR = 100
 # Residuals within 10 degrees tell by how much a law is off there; where their mean is this many

@@ -13,7 +13,7 @@ from math import gcd
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.arrays import TWO_PI, Array, Mask, even_angles
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
@@ -97,7 +97,7 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     there. Once ``_CELLS`` of them are left, those whose five values a quartic meets to rounding
     count with its largest value: measured, not proved.
     """
-    start = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK
+    start = even_angles(_FIRST_LOOK)
     width = TWO_PI / _FIRST_LOOK
     unseen = (0.0, 0.0)
     smooth_ones_count = False

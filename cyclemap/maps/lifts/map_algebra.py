@@ -13,7 +13,7 @@ from math import floor
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT
@@ -207,7 +207,7 @@ class _Stage:
 
 
 MAX_ITERATES = 250_000
-_GRID = TWO_PI * np.arange(2048.0) / 2048.0
+_GRID = even_angles(2048)
 
 
 def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
