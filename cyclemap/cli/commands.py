@@ -115,7 +115,7 @@ class InitOptions:
         None,
         type=Choice(["mm", "cm", "m", "inch"]),
     )
-    tolerance_mm: float = option("Corners of the outline that may go.", 0.1)
+    tolerance_mm: float = option("Corners of the outline that may go.", 0.1, type=_NOT_NEGATIVE)
     underside: bool = option("The foot print of a mesh, not its silhouette.", False)
     name: str | None = option("Of the object. [default: the file's]", None)
     surface: str = option("Name of the surface.", "table")
@@ -286,7 +286,7 @@ class DynamicsOptions:
 
     loop: LoopOptions
     theta0_deg: str = option("Start angles, by commas.", _ALL_AROUND, metavar="LIST")
-    speed_mm_s: float = option("Speed of the rod.", 20.0)
+    speed_mm_s: float = option("Speed of the rod.", 20.0, type=_ABOVE_ZERO)
     results: ResultOptions = group("dynamics_MATERIAL.png and .json")
 
 
@@ -304,7 +304,7 @@ class ExperimentOptions:
     loop: LoopOptions
     batches: int = option("Batches, evenly spaced.", 6, type=Whole(min=1))
     cycles: int = option("Cycles a batch.", 100, type=Whole(1, MOST_CYCLES))
-    speed_mm_s: float = option("Speed of the rod.", 20.0)
+    speed_mm_s: float | None = option("Speed of the rod. [default: 20]", None, type=_ABOVE_ZERO)
     quasi_static: bool = option(
         "Quasi-static cycles, without inertia, in place of dynamic ones.", False
     )

@@ -322,10 +322,12 @@ def pair_in_metres(option: str, text: str) -> tuple[float, float]:
     (0.25, -0.03)
     """
     try:
-        x, y = (1e-3 * plain_number(length.strip()) for length in text.split(","))
+        x, y = (plain_number(length.strip()) for length in text.split(","))
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise ValueError("not finite")
     except ValueError as cause:
         raise InvalidInput(f"{option} {text!r} is not of the form x,y, such as 350,-30") from cause
-    return x, y
+    return 1e-3 * x, 1e-3 * y
 
 
 def words_of(text: str) -> list[str]:

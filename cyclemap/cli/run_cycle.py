@@ -4,6 +4,7 @@ simulate` a collection of them as files.
 """
 
 import math
+import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -38,6 +39,7 @@ from cyclemap.views import experiment_page as page
 from cyclemap.views.experiment_page import difference_sentence, dynamics_page
 from cyclemap.written import MILLIMETRES, Json, degrees, direction_deg, json_of, rows, written
 
+DEFAULT_SPEED_MM_S = 20.0
 COLUMNS = (
     "θ0 (°)",
     "push turn (°)",
@@ -200,7 +202,10 @@ def run_experiment(asked: ExperimentOptions) -> None:
     than cycles.
     """
     loop = asked.loop.chosen_loop().loop
-    run = loop if asked.quasi_static else DynamicLoop(loop, speed=1e-3 * asked.speed_mm_s)
+    if asked.quasi_static and asked.speed_mm_s is not None:
+        raise InvalidInput("--speed-mm-s is of dynamic cycles: leave it or --quasi-static out")
+    speed_mm_s = DEFAULT_SPEED_MM_S if asked.speed_mm_s is None else asked.speed_mm_s
+    run = loop if asked.quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, asked.batches, asked.cycles, report)
     as_json: Json = {
@@ -300,5 +305,5 @@ def _sentences(made: SimulatedCollection) -> tuple[str, ...]:
         f"{made.cycles} pushes{scans} in {made.folder}, {made.bytes / 1e6:.1f} MB",
         added if made.resumed else "",
         f"The last push starts at θ0 = {last}.",
-        f"next: cyclemap fit {made.folder}",
+        f"next: cyclemap fit {shlex.quote(str(made.folder))}",
     )

@@ -3,6 +3,7 @@ likely wrong with such a file.
 """
 
 import math
+import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -43,10 +44,12 @@ def run_init(asked: InitOptions) -> None:
     file = asked.file
     if file.suffix != ".toml":
         raise InvalidInput(f"{file}: the file's name must end in .toml")
-    if file.exists() and not asked.force:
-        raise InvalidInput(
-            f"{file} is there already: choose another name, or give --force to write over it"
-        )
+    picture = file.with_suffix(".png")
+    for target in (file, picture):
+        if target.exists() and not asked.force:
+            raise InvalidInput(
+                f"{target} is there already: choose another name, or give --force to write over it"
+            )
     if not _outlines(asked):
         asked = _answered(asked)
     outline, said = _outline(asked)
@@ -70,7 +73,7 @@ def run_init(asked: InitOptions) -> None:
         loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes
     )
     write_whole(file, text.encode())
-    tell_check(file, file.with_suffix(".png"), asked.json, [*said, f"written: {file}"])
+    tell_check(file, picture, asked.json, [*said, f"written: {file}"])
 
 
 def _outlines(asked: InitOptions) -> list[str]:
@@ -121,6 +124,15 @@ def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
             asked.outline, asked.unit, 1e-3 * asked.tolerance_mm, asked.underside
         )
         return drawing.outline, list(drawing.words)
+    if asked.unit or asked.underside:
+        raise InvalidInput(
+            f"--unit and --underside are about --outline FILE, not {option}: leave them out"
+        )
+    if asked.shape and asked.name:
+        raise InvalidInput(
+            f"--name {asked.name}: {asked.shape} keeps its name, by which materials know its plate; "
+            "leave --name out"
+        )
     if asked.shape:
         return Slider.mit(asked.shape).outline, []
     widths = asked.rectangle_mm or asked.ellipse_mm or ""
@@ -163,4 +175,4 @@ def tell_check(file: Path, picture: Path, json_target: str | None, said: list[st
     if wrong:
         raise InvalidInput(f"{file}: {'; '.join(wrong)}")
     if json_target != "-":
-        PeopleConsole().print(f"next: cyclemap portrait {file}")
+        PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(file))}")

@@ -20,7 +20,7 @@ from cyclemap.cli.output import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.protocol.chosen_loop import said_settings, set_settings
+from cyclemap.protocol.chosen_loop import said_settings, set_settings, strategy_file
 from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
@@ -45,10 +45,18 @@ def run_sweep(asked: SweepOptions) -> None:
     """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far
     it is.
     """
-    _words(asked.export, _EXPORTS, "format to export")
+    exports = _words(asked.export, _EXPORTS, "format to export")
+    if asked.status and (exports or asked.draw):
+        raise InvalidInput(
+            "--status only tells how far the sweep is: leave --export and --draw out"
+        )
     plan = sweep_plan(asked)
     drawable = [quantity.name for quantity in plan.numbers.quantities if not quantity.many]
-    _words(asked.draw, drawable, "quantity to draw")
+    if _words(asked.draw, drawable, "quantity to draw") and len(plan.keys) > _MOST_DRAWN_KEYS:
+        raise InvalidInput(
+            f"--draw {asked.draw}: a picture is of one or two keys, not of {len(plan.keys)}; "
+            "leave --draw out, or give fewer --over"
+        )
     # The material, or the first few letters of those that are swept.
     name = (
         "_".join(plan.materials)[:_LONGEST_NAME]
@@ -132,7 +140,7 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
     material, given, strategy = said_settings(loop.surface, loop.protocol, loop.settings)
     if strategy is not None:
         raise InvalidInput(
-            f"{loop.protocol or material}: a sweep is about one push and one drag back: "
+            f"{strategy_file(loop.surface, loop.protocol)}: a sweep is about one push and one drag back: "
             "take the table [strategy] out of it"
         )
     # What is swept takes the place of what a file says, as --set does.

@@ -67,9 +67,9 @@ def chosen_loop(
             else "differs from cycle to cycle"
         )
         raise InvalidInput(
-            f"{protocol}: its strategy {why}, and this command is about one loop: give the "
-            "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out "
-            "of it"
+            f"{strategy_file(material, protocol)}: its strategy {why}, and this command is about "
+            "one loop: give the file to cyclemap cycle, portrait, staircase or simulate, or take "
+            "[strategy] out of it"
         )
     return chosen
 
@@ -106,8 +106,8 @@ def chosen_collection(
     lost = [key for key in set_settings(settings) if key in overruled]
     if lost:
         raise InvalidInput(
-            f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it "
-            "in its table [strategy]"
+            f"--set {lost[0]}: the strategy of {strategy_file(material, protocol)} sets that in "
+            "every cycle; change it in its table [strategy]"
         )
     return ChosenCollection(loop, sigma, strategy, said)
 
@@ -131,11 +131,19 @@ def said_settings(
         of_file, strategy = read_protocol(material)
         layers.append(of_file)
     if protocol is not None:
-        of_protocol, strategy = read_protocol(protocol)
+        of_protocol, own = read_protocol(protocol)
+        strategy = own or strategy
         layers.append(of_protocol)
         if material is None and names_surface(protocol):
             surface = protocol
     return surface, layered(*layers, set_settings(settings)), strategy
+
+
+def strategy_file(material: str | None, protocol: Path | None) -> str | Path | None:
+    """The file whose strategy `said_settings` returns: the protocol where it has one."""
+    if protocol is not None and read_protocol(protocol)[1] is not None:
+        return protocol
+    return material
 
 
 def set_settings(pairs: Iterable[str]) -> dict[str, object]:

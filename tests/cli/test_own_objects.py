@@ -152,6 +152,9 @@ def test_an_own_outline_by_set_alone_is_told_what_it_takes_over_from_mit(here, c
         (["box.toml", "--shape", "hexx"], "did you mean 'hex'"),
         (["box.toml", "--outline", "gone.svg"], "there is no such file"),
         (["box.toml", "--rectangle-mm", "120,60", "--set", "hitch_x_mm=5000"], "same unit"),
+        (["box.toml", "--rectangle-mm", "12,6", "--unit", "inch"], "are about --outline FILE"),
+        (["box.toml", "--shape", "hex", "--name", "mine"], "hex keeps its name"),
+        (["box.toml", "--outline", "a.svg", "--tolerance-mm", "nan"], "--tolerance-mm"),
     ],
 )
 def test_what_init_cannot_use_is_one_clear_line(
@@ -159,6 +162,37 @@ def test_what_init_cannot_use_is_one_clear_line(
 ) -> None:
     monkeypatch.setattr(sys.stdin, "isatty", lambda: False, raising=False)
     refused(["init", *arguments], message)
+
+
+def test_init_writes_over_no_picture(here, refused) -> None:
+    (here / "box.png").write_text("precious")
+    refused(["init", "box.toml", "--rectangle-mm", "120,60"], "box.png is there already")
+    assert (here / "box.png").read_text() == "precious"
+
+
+@pytest.mark.parametrize(
+    ("options", "message", "code"),
+    [
+        (["--command", "'"], "No closing quotation", 2),
+        (["--command", " "], "--command is empty", 2),
+        (["--python", "pushes:number"], "number is no function", 2),
+        (["--python", "broken:push"], "SyntaxError", 2),
+        (["--python", "pushes:fails"], "theta = 0 rad: ValueError: no robot", 1),
+    ],
+)
+def test_what_a_probe_cannot_call_is_one_clear_line(
+    here, refused, monkeypatch, options, message, code
+) -> None:
+    """What is wrong in a function, or a command, of people's own ends in a line, not in a
+    traceback.
+    """
+    (here / "pushes.py").write_text(
+        "number = 3\n\n\ndef fails(theta):\n    raise ValueError('no robot')\n"
+    )
+    (here / "broken.py").write_text("def push(\n")
+    monkeypatch.syspath_prepend(str(here))
+    monkeypatch.delitem(sys.modules, "pushes", raising=False)
+    refused(["probe", "plywood", *options], message, code)
 
 
 @pytest.mark.slow

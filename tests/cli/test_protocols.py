@@ -213,7 +213,7 @@ def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
     theta0_file(Path("measured.csv"), 0.12 * np.arange(60))
     why = "turns the object by a gripper" if strategy is GRIPPER else "differs from cycle to cycle"
     takes = (
-        "and this command is about one loop: give the protocol to cyclemap cycle, portrait, "
+        "and this command is about one loop: give the file to cyclemap cycle, portrait, "
         "staircase or simulate"
     )
     refused([*command, "--protocol", path], f"{why}, {takes}")
@@ -231,8 +231,22 @@ def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
 def test_a_setting_that_the_strategy_overrules_is_refused(
     protocol, refused, strategy, pair
 ) -> None:
-    said = f"--set {pair.partition('=')[0]}: the protocol's strategy"
+    said = f"--set {pair.partition('=')[0]}: the strategy of "
     refused(["cycle", "plywood", "--protocol", protocol(strategy), "--set", pair], said)
+
+
+def test_a_materials_strategy_holds_beside_a_protocol_that_has_none(
+    protocol, report_of, tmp_path
+) -> None:
+    """A protocol that says one setting takes nothing away from the file that is the material."""
+    own = Path(protocol(RANDOM))
+    own.write_text(f"{own.read_text()}\n[friction]\nmu_a = 0.25\nmu_b = 0.2\n")
+    plain = tmp_path / "plain.toml"
+    plain.write_text("[push]\npush_mm = 140\n")
+    alone = report_of("cycle", str(own), "--theta0-deg", "10")
+    beside = report_of("cycle", str(own), "--theta0-deg", "10", "--protocol", str(plain))
+    assert [row["action"] for row in beside["cycles"]] == [row["action"] for row in alone["cycles"]]
+    assert len(alone["cycles"]) > 1
 
 
 def test_a_setting_beside_the_strategy_is_taken(protocol, report_of) -> None:

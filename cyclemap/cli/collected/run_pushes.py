@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -214,7 +214,7 @@ def _probed(asked: ProbeOptions) -> Probe:
     if asked.data is not None:
         return _probed_data(asked, asked.data, loop)
     if asked.program is not None:
-        return probe(command_push(shlex.split(asked.program)), loop, asked.count)
+        return probe(command_push(_words_of_command(asked.program)), loop, asked.count)
     return probe(_imported(str(asked.python)), loop, asked.count)
 
 
@@ -235,14 +235,38 @@ def _probed_data(asked: ProbeOptions, data: Path, loop: CollectionLoop) -> Probe
     return probe_pushes(table["theta0"].to_numpy(), table[list(OUTCOMES)].to_numpy(), loop)
 
 
+def _words_of_command(text: str) -> list[str]:
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise InvalidInput(f"--command {text!r}: {error}; close it") from error
+    if not words:
+        raise InvalidInput("--command is empty: name a program")
+    return words
+
+
 def _imported(name: str) -> Push:
-    """The function MODULE:FUNCTION, its module looked for in the working directory, too."""
+    """The function MODULE:FUNCTION, its module looked for in the working directory, too; what goes
+    wrong in either is told in one line.
+    """
     module, colon, function = name.partition(":")
     if not (module and colon and function):
         raise InvalidInput(f"--python {name}: give it as module:function")
     sys.path.insert(0, str(Path.cwd()))
     try:
-        push: Push = getattr(import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise InvalidInput(f"--python {name}: {error}") from error
-    return push
+        push = getattr(import_module(module), function)
+    except Exception as error:
+        raise InvalidInput(f"--python {name}: {type(error).__name__}: {error}") from error
+    if not callable(push):
+        raise InvalidInput(f"--python {name}: {function} is no function, but {push!r}")
+
+    def pushed(theta: float) -> Sequence[float]:
+        try:
+            change: Sequence[float] = push(theta)
+        except Exception as error:
+            raise CycleMapError(
+                f"--python {name} at theta = {theta:.4g} rad: {type(error).__name__}: {error}"
+            ) from error
+        return change
+
+    return pushed

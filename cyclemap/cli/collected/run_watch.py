@@ -27,7 +27,7 @@ from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.maps import rest_multiplier
-from cyclemap.protocol.chosen_loop import chosen_collection, loop_beside
+from cyclemap.protocol.chosen_loop import chosen_collection, loop_beside, strategy_file
 from cyclemap.resets import (
     BiasMonitor,
     BiasReport,
@@ -117,8 +117,8 @@ def _ahead_of(asked: WatchOptions) -> LookAhead:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
         raise InvalidInput(
-            f"{asked.protocol}: there is no action to choose: it needs a [strategy] of two actions "
-            "or more"
+            f"{strategy_file(asked.material, asked.protocol)}: there is no action to choose: it "
+            "needs a [strategy] of two actions or more"
         )
     with progress_bar(f"cycle maps on {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
