@@ -97,3 +97,17 @@ def test_a_lambda_is_refused_by_name():
         pickle.dumps(CircleMap(lambda x: x + 0.1))
     with pytest.raises(InvalidInput, match="cannot be pickled"):
         pickle.dumps(maps.compose(SINE, CircleMap(lambda x: x + 0.1)))
+
+
+def test_a_map_keeps_its_breaks_when_the_array_that_gave_them_changes():
+    """A copy in another process is the same map, whatever the caller wrote into the array since."""
+    breaks = np.array([0.0])
+    given = [
+        CircleMap(CircleMap.rigid(0.1), None, breaks),
+        CircleMap.with_scalar(np.positive, None, float, breaks=breaks),
+        CircleMap.from_pieces(SAMPLED.pieces, breaks, 5),
+    ]
+    breaks[0] = 2.0
+    for circle_map in given:
+        back = pickle.loads(pickle.dumps(circle_map))
+        assert circle_map.breaks.tolist() == back.breaks.tolist() == [0.0]

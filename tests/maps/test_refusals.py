@@ -233,6 +233,27 @@ PASSAGES = [
     (lambda: maps.survival_probabilities(STICKY, UniformNoise(0.3), 0.5, ARC, 5), "jumps"),
     (lambda: maps.survival_probabilities(STICKY, NOISE, 0.5, ARC, -1), "cycles"),
 ]
+NO_MAPS = [
+    (lambda ask=ask: ask(None), "the map is None: give a CircleMap")
+    for ask in (
+        maps.branches,
+        maps.inverse,
+        maps.is_nondecreasing,
+        maps.upper_envelope,
+        maps.lower_envelope,
+        maps.crossings_by_jump,
+        lambda given: maps.preimages(given, 0.0),
+        lambda given: maps.compose(given, RIGID),
+        lambda given: maps.compose(RIGID, given),
+        lambda given: maps.nth_iterate(given, 2),
+        lambda given: maps.conjugate(given, 1.0),
+        lambda given: maps.shifted(given, 1),
+    )
+] + [
+    (lambda: RIGID.derivative(0.0, 5), "side is 5: give -1, 0 or 1"),
+    (lambda: maps.tongues(CircleMap.arnold, 0, [0.4], (-0.5, 0.5)), "ratios is 0"),
+    (lambda: maps.tongues(None, [0], [0.4], (-0.5, 0.5)), "family is None"),
+]
 STAIRCASES = [
     (lambda: maps.sample_staircase(STICKY, None, 0), "cycles"),
     (lambda: maps.sample_staircase(STICKY, None, 2.5), "cycles"),
@@ -293,7 +314,7 @@ def test_what_would_fill_the_memory_is_refused_before(ask):
 
 
 @pytest.mark.parametrize(
-    ("ask", "words"), [*FAMILIES, *ORBITS, *LIFTS, *LAWS, *PASSAGES, *STAIRCASES]
+    ("ask", "words"), [*FAMILIES, *ORBITS, *LIFTS, *LAWS, *PASSAGES, *STAIRCASES, *NO_MAPS]
 )
 def test_bad_requests_are_refused_with_what_is_wrong(ask, words):
     refused(ask, told=words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -476,6 +476,10 @@ def tongues(
     >>> bool(np.all(np.abs(edges.right[0] - exact) <= edges.right_error[0]))
     True
     """
+    if not callable(family):
+        raise InvalidInput(f"family is {family!r}: give a callable of two parameters")
+    if isinstance(ratios, str) or not isinstance(ratios, Iterable):
+        raise InvalidInput(f"ratios is {ratios!r}: give a sequence of them, such as [0, (1, 2)]")
     wanted = tuple(rotation_ratio(ratio) for ratio in ratios)
     values = finite_array("second", second, ndim=1)
     within = parameter_range("parameters", parameters)

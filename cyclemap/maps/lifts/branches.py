@@ -14,7 +14,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
     SIDE_STEP,
@@ -185,6 +185,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     >>> [(round(branch.start, 6), round(branch.end, 6), branch.direction) for branch in cut]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
+    require_map(circle_map)
     cells = monotone_cells(circle_map, 1, 0.0)
     first, last = cell_limits(circle_map, cells)
     following = np.append(first[1:], first[0] + cells.climb)
@@ -285,6 +286,7 @@ def preimages(circle_map: CircleMap, angle: float) -> Array:
     >>> preimages(CircleMap.blaschke([0, 0]), 1.0).round(6).tolist()
     [0.5, 3.641593]
     """
+    require_map(circle_map)
     wanted = finite_number("angle", angle)
     roots, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
     if flat.size:

@@ -121,11 +121,12 @@ class CircleMap(MadeLift):
             raise InvalidInput(
                 f"lift is {lift!r}: lift and derivative must be callables of an array of angles"
             )
+        own_breaks = read_only(np.unique(base_angles(finite_array("breaks", breaks, ndim=1))))
         made = lift if derivative is None and isinstance(lift, MadeLift) else None
         slope = derivative if made is None else made.derivative
         scalar = made.scalar() if made is not None and made.has_scalar else None
         self._set(
-            breaks=read_only(np.unique(base_angles(finite_array("breaks", breaks, ndim=1)))),
+            breaks=own_breaks,
             degree=whole_number("degree", degree),
             max_error=non_negative_number("max_error", max_error),
             samples=0,
@@ -135,7 +136,7 @@ class CircleMap(MadeLift):
             _derivative=None if slope is None else guarded("derivative", slope, False),
             _scalar=scalar,
             has_scalar=scalar is not None,
-            _recipe=(CircleMap, (lift, derivative, breaks, degree), {"max_error": max_error}),
+            _recipe=(CircleMap, (lift, derivative, own_breaks, degree), {"max_error": max_error}),
         )
         check_lift(lift, slope, self.breaks, self.degree)
 
@@ -193,6 +194,8 @@ class CircleMap(MadeLift):
         """F'(θ); at a break the derivative from the right, with ``side`` -1 or 1 its limit from
         below or above.
         """
+        if side not in (-1, 0, 1):
+            raise InvalidInput(f"side is {side!r}: give -1, 0 or 1")
         if side:
             return one_sided_limit(self.derivative, self.breaks, theta, side, 0)
         angles = np.asarray(theta, dtype=np.float64)
@@ -249,7 +252,9 @@ class CircleMap(MadeLift):
         made = cls(lift, derivative, **options)
         check_scalar(scalar, lift, derivative)
         made._set(_scalar=scalar, has_scalar=True)
-        return made.remade_by(cls.with_scalar, lift, derivative, scalar, **options)
+        # The caller's own array may change: the map's copy does not.
+        own = {"breaks": made.breaks} if "breaks" in options else {}
+        return made.remade_by(cls.with_scalar, lift, derivative, scalar, **{**options, **own})
 
     @classmethod
     def rigid(cls, turns: float) -> CircleMap:
@@ -484,7 +489,7 @@ class CircleMap(MadeLift):
         """
         made = cls(pieces, None, breaks, pieces.degree, max_error=max_error)
         made._set(samples=samples)
-        return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
+        return made.remade_by(cls.from_pieces, pieces, made.breaks, samples, max_error)
 
 
 def require_map(circle_map: CircleMap) -> None:

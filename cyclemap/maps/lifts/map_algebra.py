@@ -18,7 +18,7 @@ from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
     SIDE_STEP,
@@ -244,6 +244,8 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     >>> doubled.degree, round(float(doubled(0.0)), 6)
     (2, 3.141593)
     """
+    require_map(outer)
+    require_map(inner)
     breaks = _breaks_before(inner, outer.breaks, 1)
     return _composite([inner, outer], breaks, _error_after(outer, inner.max_error))
 
@@ -269,6 +271,7 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     >>> nth_iterate(CircleMap.blaschke([0, 0]), 5).degree
     32
     """
+    require_map(circle_map)
     count = whole_number("n", n, least=0)
     require_room("the iterate", count, "iterate less often", MAX_ITERATES)
     if count == 0:
@@ -308,6 +311,7 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
     >>> round(float(conjugate(CircleMap.arnold(0.0, 0.5), 1.0)(1.0)), 12)
     1.0
     """
+    require_map(circle_map)
     turn = finite_number("angle", angle)
     return _moved(circle_map, turn, turn)
 
@@ -333,6 +337,7 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
     >>> round(float(shifted(CircleMap.rigid(0.25), -1)(0.0)), 6)
     -4.712389
     """
+    require_map(circle_map)
     return _moved(circle_map, 0.0, TWO_PI * whole_number("turns", turns))
 
 
@@ -380,6 +385,7 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True
     """
+    require_map(circle_map)
     degree = circle_map.degree
     error = circle_map.max_error
     if degree not in (1, -1):

@@ -209,7 +209,7 @@ class FourierLaw(StationaryLaw):
 
     @property
     def density_error(self) -> float:
-        """Bound on sup|p - p̃|, per radian, the map's ``max_error`` included."""
+        """Bound on sup|p - p̃|, per radian, the map's ``max_error`` included to first order."""
         return self._own_error + float(np.max(self._map_errors))
 
     @cached_property
@@ -231,7 +231,9 @@ class FourierLaw(StationaryLaw):
         return 2.0 * float(np.max(np.abs(self.dual(moments)), initial=1.0)) * self.error[2]
 
     def moment_error(self, order: int) -> float:
-        """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included."""
+        """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included to first
+        order.
+        """
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
         error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL

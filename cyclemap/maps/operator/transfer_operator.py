@@ -241,7 +241,11 @@ class TransferOperator:
     @cached_property
     @one_thread
     def rotation_number(self) -> Estimate:
-        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
+        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law.
+
+        Its bound counts the map's ``max_error`` to first order: where that is no longer small
+        beside the noise, a map within it may lie further off.
+        """
         require_degree_one(self.map, "a mean winding")
         return self.law.expectation(
             lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI

@@ -12,7 +12,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.branches import cell_limits
-from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
 from cyclemap.maps.lifts.piecewise_lifts import GivenBranch, Piece, on_base_turn
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
@@ -50,6 +50,7 @@ def largest_descent(circle_map: CircleMap) -> float:
     Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see
     ``GRAIN``).
     """
+    require_map(circle_map)
     pieces = circle_map.pieces
     if circle_map.breaks.size == 0 and pieces is not None and pieces.surely_rises():
         return 0.0
@@ -128,6 +129,7 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
 
 def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
     """The upper envelope, or with ``mirror`` -1 the lower one: F, and on each plateau its level."""
+    require_map(circle_map)
     require_degree_one(circle_map, "rotation")
     theta, value, steepest = _skeleton(circle_map)
     if mirror > 0.0:

@@ -545,6 +545,7 @@ def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     >>> len(crossings_by_jump(saw)), crossings_by_jump(CircleMap.arnold(0.1, 0.9))
     (1, [])
     """
+    require_map(circle_map)
     if circle_map.breaks.size == 0:
         return []
     return sorted(diagonal_scan(circle_map, 1).jumps, key=lambda jump: jump.theta)
