@@ -202,8 +202,11 @@ def compare(
         progress=part_of(progress, 0, 4),
     )
     pairs = collection.pairs
-    # The path ends with the push behind the last pair.
-    wanted = 1 if pairs is None else 2 + int(np.max(pairs.numbers))
+    wanted = 1
+    if pairs is not None:
+        # Flagged rows make no pair and stay in the path; behind the last pair there is a push more.
+        last = 0.0 if pairs.path_cycle is None else float(np.max(pairs.path_cycle))
+        wanted += int(max(last, 1.0 + float(np.max(pairs.numbers))))
     given = collection.loop or prediction
     chosen = as_prediction(
         given, noise, wanted, tolerance=tolerance, progress=part_of(progress, 1, 4)

@@ -161,8 +161,9 @@ def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFr
     and radians.
 
     Raises InvalidInput, telling what there is, for a column of another name and where no push has a
-    value.
+    value, or none has all.
     """
+    kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
         if column not in SET_FACTS:
             raise unknown_name("column", column, SET_FACTS)
@@ -177,8 +178,11 @@ def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFr
             raise InvalidInput(
                 f"no such {column}: {value}; the data have {', '.join(there) or 'no push at all'}"
             )
-        table = table[same]
-    return table
+        kept &= np.asarray(same, dtype=bool)
+    if select and not kept.any():
+        asked = ", ".join(f"{column} {value}" for column, value in select.items())
+        raise InvalidInput(f"no push has {asked} at once")
+    return table[kept]
 
 
 def _push_set(
@@ -204,12 +208,15 @@ def ordered_pairs(theta: Array, theta_next: Array, numbers: Array) -> Theta0Pair
     """The pairs of pushes (n,), rad, NaN where the next θ0 is not known, in the order of their
     numbers (n,), with the path of all of them.
 
-    Across a missing push the path takes the shorter way; it breaks where the next θ0 is not known.
+    The path passes through every θ0 that was measured before a push: what somebody moved the object
+    by stays a gap to the next θ0 of the push before. Across a missing push it takes the shorter
+    way; it breaks where the next θ0 is not known.
     """
     known = np.isfinite(theta_next)
     turn = theta_next - theta
     follows = np.diff(numbers) == 1.0
-    steps = np.where(known[:-1] & follows, turn[:-1], shorter_way(np.diff(theta)))
+    lifted = turn[:-1] + shorter_way(theta[1:] - theta_next[:-1])
+    steps = np.where(known[:-1] & follows, lifted, shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
     moved = numbers[:-1][follows & ~known[:-1]]
     return replace(Theta0Pairs.along(path, turn, known, numbers), moved=tuple(moved.tolist()))

@@ -206,11 +206,12 @@ def _noise(courses: Array) -> float:
 
 def _change(courses: Array, half: int) -> Array:
     """How far the mean after each sample lies from the mean before it, (n,), m."""
-    # Of the window about a sample these ends lie on it.
-    behind, ahead = (
-        uniform_filter1d(courses, half, axis=1, mode="nearest", origin=origin)
-        for origin in ((half - 1) // 2, -(half // 2))
-    )
+    means = uniform_filter1d(courses, half, axis=1, mode="nearest")
+    # A filter of this length is centred: these means begin behind the sample, and end before it.
+    ahead = np.roll(means, -(half - half // 2), axis=1)
+    ahead[:, -half:] = means[:, -1:]
+    behind = np.roll(means, half // 2 + 1, axis=1)
+    behind[:, : half + 1] = means[:, :1]
     return np.asarray(np.linalg.norm(ahead - behind, axis=0))
 
 

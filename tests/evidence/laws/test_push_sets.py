@@ -7,7 +7,8 @@ import pytest
 from made_sets import HEADER, TURN, made_set, noisy_set, true_turn, worn_pairs, write_collection
 from refusals import refused
 
-from cyclemap.evidence.laws.push_sets import push_sets, push_statistics
+from cyclemap.arrays import shorter_way
+from cyclemap.evidence.laws.push_sets import ordered_pairs, push_sets, push_statistics
 from cyclemap.evidence.pushes.push_table import load_pushes
 
 PUSH = "0.35,-0.03,0.1,0.37,-0.05,0.4"
@@ -43,6 +44,22 @@ def test_repeated_pushes_in_any_order_give_their_path_and_pairs_but_across_gaps(
     paired = np.setdiff1d(np.arange(60), [[n - 1, n] for n in missing])
     assert found.pairs.cycle.tolist() == paired.tolist()
     assert np.allclose(found.pairs.turn, true.turn[paired], atol=1e-8)
+
+
+def test_the_path_passes_through_every_orientation_that_was_measured() -> None:
+    """What somebody moved the object by behind a push, and the errors of two readings of one
+    orientation, do not add up along the path: the move is a gap, which parts it.
+    """
+    noise = np.radians(0.5) * np.random.default_rng(5).standard_normal((2, 200))
+    true = worn_pairs(200)
+    theta = true.path[:-1] + noise[0]
+    theta[120:] += 1.5
+    theta_next = true.path[1:] + noise[1]
+    theta_next[120:] += 1.5
+    pairs = ordered_pairs(theta, theta_next, np.arange(200.0))
+    assert np.max(np.abs(shorter_way(pairs.theta - theta))) < 1e-12
+    assert np.allclose(pairs.turn, theta_next - theta, atol=1e-12)
+    assert pairs.unbroken.path_cycle.tolist() == list(range(120))
 
 
 def test_sets_are_told_apart_by_surface_and_contact_and_named_as_shortly_as_can_be(
@@ -102,7 +119,7 @@ def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
         push_sets,
         table,
         {"surface": "abs", "fraction": 0.7},
-        told=r"no such fraction: 0\.7; the data have 0\.5",
+        told=r"no push has surface abs, fraction 0\.7 at once",
     )
     refused(push_sets, table, {"surfaces": "abs"}, told="unknown column 'surfaces'")
 

@@ -133,6 +133,20 @@ def test_of_two_poses_again_and_again_the_first_is_a_pushs_begin(tmp_path) -> No
     assert columns["theta1"].to_numpy() == pytest.approx(end[2], abs=1e-3)
 
 
+@pytest.mark.parametrize("rows_apart", [6, 11])
+def test_a_stream_of_few_rows_a_second_is_cut_as_a_dense_one(tmp_path, rows_apart) -> None:
+    """At 5 and 2.7 rows a second a window is one or two rows: means behind and before a row are
+    of different rows.
+    """
+    begin, end = np.array([0.0, 0.0, 0.2]), np.array([0.03, 0.05, 1.3])
+    dense = recorded([begin, end] * 12)
+    rng = np.random.default_rng(6)
+    dense[["x", "y"]] += 2e-4 * rng.standard_normal((len(dense), 2))
+    _, seen = cut_stream(tmp_path / "dense.csv", dense)
+    _, sparse = cut_stream(tmp_path / "few.csv", dense.iloc[::rows_apart])
+    assert sparse.pushes.tolist() == seen.pushes.tolist() and len(seen.pushes) == 12
+
+
 def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
     table = truth(0).start[:1] + np.random.default_rng(0).normal(0.0, 0.05, (3000, 3))
     stream = {"t": np.arange(3000) / 30.0, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
