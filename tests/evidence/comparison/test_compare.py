@@ -219,6 +219,19 @@ def test_a_staircase_that_lacks_a_push_is_compared_over_its_longest_run_as_a_tab
     assert np.allclose(np.diff(data.pairs.path), 0.3)
 
 
+@pytest.mark.slow
+def test_a_worn_map_is_asked_as_far_as_the_path_of_flagged_pushes_goes(quick) -> None:
+    """Flagged pushes at the end make no pair, and are pushes of the path all the same."""
+    loop = CollectionLoop.mit("plywood-measured")
+    worn = as_prediction(loop, None, 400, tolerance=1e-3).map
+    path = sample_staircase(worn, WrappedNormal(0.02), 399, seed=1).theta
+    flagged_last = np.arange(399) < 100
+    pairs = Theta0Pairs.along(path, np.diff(path), flagged_last, np.arange(400.0))
+    found = compare(loop, pairs, runs=19, tolerance=1e-3)
+    assert found.data.pairs.path_cycle[-1] == 399.0
+    assert found.prediction.map.cycles[-1] >= 399.0
+
+
 def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
