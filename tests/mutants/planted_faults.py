@@ -223,18 +223,15 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("bound = abs(value - rough) + rounding", "bound = rounding"),
             ("growth = 1.0 + self._growth", "growth = 1.0"),
             (
-                "return self._own_error + float(np.max(self._map_errors))",
+                "return self._own_error + float(np.max(self._density_moved))",
                 "return self._own_error",
             ),
             ("correction = defect + once + fine.cycle(resolved)", "correction = defect + once"),
-            (
-                "spread = 0.5 * correlated + basis.noise.variance",
-                "spread = correlated + basis.noise.variance",
-            ),
-            (
-                "epsilon * float(np.dot(np.abs(self.masses), np.abs(slope)))",
-                "0.0 * epsilon",
-            ),
+            ("added = turn * (0.5 * turn + later)", "added = turn * (turn + later)"),
+            ("(np.abs(self.masses) @ slopes + epsilon * (bend + other))", "(epsilon * bend)"),
+            ("epsilon * (bend + other)", "epsilon * bend"),
+            ("(_MISSED * first + epsilon * second)", "(_MISSED * first)"),
+            ("return epsilon * rate + max(beyond)", "return 0.5 * epsilon * rate"),
         ],
     ),
     "maps/operator/transfer_operator.py": (
@@ -246,6 +243,13 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("abs(self._finer.diffusion() - plain) + plain.error_bound", "plain.error_bound"),
             ("max(0.0, 1.0 - second), second.error_bound", "max(0.0, second), second.error_bound"),
+        ],
+    ),
+    "maps/operator/spectrum.py": (
+        OPERATOR,
+        [
+            ("bounds += _moved_by_map(basis, right, left, apart, same)", "bounds += 0.0"),
+            ("own + np.sum(others, axis=1, where=~same)", "own"),
         ],
     ),
     "maps/operator/fourier_basis.py": (

@@ -26,5 +26,8 @@ def test_faults_can_be_planted_and_there_are_tests_to_notice_them(name) -> None:
     assert all((root / path).exists() for path in tests.split())
 
 
-def test_there_are_enough_of_them() -> None:
-    assert sum(len(faults) for _, faults in FAULTS.values()) >= 150
+def test_there_are_enough_of_them_and_the_docs_tell_how_many() -> None:
+    count = sum(len(faults) for _, faults in FAULTS.values())
+    assert count >= 150
+    root = Path(__file__).resolve().parents[2]
+    assert f"plants {count} faults" in (root / "docs/accuracy.md").read_text(encoding="utf-8")

@@ -170,6 +170,7 @@ class CellDiscretisation:
     count: int
 
     left_out = np.inf  # no bound on what a cycle makes of functions that vary within the cells
+    moved = np.inf
 
     @cached_property
     def cells(self) -> Cells:
@@ -228,6 +229,17 @@ class CellDiscretisation:
     def cycle(self, law: Array) -> Array:
         """(n,): the masses after one cycle; or columns of several."""
         return self.matrix @ law
+
+    def coupling(self, left: Array | Complex, right: Array | Complex) -> Array:
+        """(k, k): how much wᵀLv changes when F is off by its ``max_error`` ε, at most: ε max|w|
+        ‖v‖₁ / h.
+
+        The mean of w over the window of the noise changes by what leaves at one end and comes in
+        at the other.
+        """
+        largest = np.max(np.abs(left), axis=0)
+        share = self.map.max_error / self.cells.halfwidth
+        return np.asarray(share * np.multiply.outer(largest, np.sum(np.abs(right), axis=0)))
 
     def refined(self) -> CellDiscretisation:
         """The same with twice as many cells."""

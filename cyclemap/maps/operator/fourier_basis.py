@@ -137,7 +137,7 @@ class FourierDiscretisation:
         return self.mass
 
     @cached_property
-    def _scale(self) -> Array:
+    def scale(self) -> Array:
         """(n,): what turns a wave into a basis function."""
         return (2.0 - self.mass) / TWO_PI
 
@@ -149,15 +149,15 @@ class FourierDiscretisation:
 
     def evaluate(self, theta: Array) -> Array:
         """(n, m): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
-        return self._scale[:, None] * waves(theta, self.modes)
+        return self.scale[:, None] * waves(theta, self.modes)
 
     def slope(self, theta: Array, law: Array) -> Array:
         """(m,): the derivative at the angles of the density with coefficients ``law``."""
-        return self.dual(theta, self._turned_back(self._scale * law))
+        return self.dual(theta, self.derived(self.scale * law))
 
     def mass_before(self, theta: Array, law: Array) -> Array:
         """(m,): ∫ (p - 1/2π) up to each angle, but for a constant, p with coefficients ``law``."""
-        turned = self._turned_back(self._scale * law / np.maximum(self.order, 1.0) ** 2)
+        turned = self.derived(self.scale * law / np.maximum(self.order, 1.0) ** 2)
         return -self.dual(theta, turned)
 
     def moments(self, order: int) -> Complex:
@@ -172,6 +172,11 @@ class FourierDiscretisation:
         smooth as F.
         """
         return arc_rule(self.map, 0.0, TWO_PI, self.modes, self.finer)
+
+    @cached_property
+    def images(self) -> Array:
+        """F(θ) at the nodes of ``rule``."""
+        return self.map(self.rule[0])
 
     @cached_property
     def kappa(self) -> Array:
@@ -189,8 +194,8 @@ class FourierDiscretisation:
                 f"than {MAX_WORK:.2g}: the map has too fine a structure for so small a noise; "
                 "raise the noise"
             )
-        matrix = wave_integrals(theta, weight, self.map(theta), self.modes)
-        matrix *= self.kappa[:, None] * self._scale
+        matrix = wave_integrals(theta, weight, self.images, self.modes)
+        matrix *= self.kappa[:, None] * self.scale
         matrix[0] = self.mass
         return matrix
 
@@ -200,12 +205,46 @@ class FourierDiscretisation:
         """
         return self.carried(self.on_nodes(law))
 
+    def expected(self, dual: Array) -> Array:
+        """E z(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule``."""
+        return self._after.combined(_times(self.kappa, dual))
+
     def expected_slope(self, dual: Array, at: Array | None = None) -> Array:
         """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or
         at ``at``.
         """
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
-        return images.combined(self._turned_back(_times(self.kappa, dual)))
+        return images.combined(self.derived(_times(self.kappa, dual)))
+
+    def slopes_on_grid(self, dual: Array, order: int) -> Array:
+        """(4·modes, k): sizes of (d/dy)^order of E z(y + ξ) on an even grid of y, for the z with
+        the integrals ``dual``, raised to be no less than between the points.
+        """
+        factors = _times(self.kappa, dual)
+        for _ in range(order):
+            factors = self.derived(factors)
+        return sizes_on_grid(factors, 4)
+
+    def coupling(self, left: Array | Complex, right: Array | Complex) -> Array:
+        """(k, k): how much wᵀLv changes when F is off by its ``max_error``, to first order, at
+        most; w a column of ``left``, v one of ``right``.
+
+        ε ∫ |∂E w(F + ξ)/∂F| |v| dθ.
+        """
+        _, weight = self.rule
+        # In real columns: with complex ones all waves would be made complex first.
+        slopes = np.hypot(self.expected_slope(left.real), self.expected_slope(left.imag))
+        sizes = np.hypot(self.on_nodes(right.real), self.on_nodes(right.imag))
+        return self.map.max_error * (slopes.T @ _times(weight, sizes))
+
+    @property
+    def moved(self) -> float:
+        """A bound on the norm of what L changes by when F is off by its ``max_error`` ε.
+
+        Row m has the integrals of κ_m (e^{imF'} - e^{imF}), of size κ_m·m·ε at most, with the
+        waves, which are orthogonal: √2 times that (Bessel's inequality).
+        """
+        return self.map.max_error * math.sqrt(2.0) * float(np.linalg.norm(self.kappa * self.order))
 
     def dual(self, theta: Array, dual: Array) -> Array:
         """(m, k): at the angles, the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
@@ -219,15 +258,15 @@ class FourierDiscretisation:
 
     def density(self, theta: Array, law: Array) -> Array:
         """(m,): the density with coefficients ``law``, per radian, at the angles, shape (m,)."""
-        return self.dual(theta, self._scale * law)
+        return self.dual(theta, self.scale * law)
 
     def integrals(self, theta: Array, mass: Array) -> Array:
-        """(n,): Σ mass φ_j(θ) over the angles."""
-        return self._scale * WavesInBlocks(theta, self.modes).summed(mass)
+        """(n,): Σ mass φ_j(θ) over the angles; or columns of several."""
+        return _times(self.scale, WavesInBlocks(theta, self.modes).summed(mass))
 
     def on_nodes(self, law: Array) -> Array:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
-        return self._before.combined(_times(self._scale, law))
+        return self._before.combined(_times(self.scale, law))
 
     def carried(self, density: Array) -> Array:
         """(n,): coefficients after one cycle of the density with these values at the nodes of
@@ -249,10 +288,9 @@ class FourierDiscretisation:
         modes = np.arange(coarse.modes)
         return np.concatenate([[0], 1 + modes, 1 + self.modes + modes])
 
-    def _turned_back(self, factors: Array) -> Array:
-        """Factors (n,) or (n, k) of waves as those of their derivatives: cos → -m sin, sin → m cos.
-
-        Turning the few factors back is the same as turning the many waves, and costs nothing.
+    def derived(self, factors: Array) -> Array:
+        """Factors (n,) or (n, k) of waves, or coefficients, as those of the derivative: cos → -m
+        sin, sin → m cos.
         """
         constant, cosines, sines = np.split(_times(self.order, factors), [1, self.modes + 1])
         return np.concatenate([constant, sines, -cosines])
@@ -265,7 +303,32 @@ class FourierDiscretisation:
     @cached_property
     def _after(self) -> WavesInBlocks:
         """Waves of F(θ) at the nodes."""
-        return WavesInBlocks(self.map(self.rule[0]), self.modes)
+        return WavesInBlocks(self.images, self.modes)
+
+
+@dataclass(frozen=True, eq=False)
+class ShiftedDiscretisation(FourierDiscretisation):
+    """The same basis and nodes for a map that is off by ``shift`` at the nodes, radians."""
+
+    shift: Array | float = 0.0
+
+    @cached_property
+    def images(self) -> Array:
+        """F(θ) + shift at the nodes of ``rule``."""
+        return self.map(self.rule[0]) + self.shift
+
+
+def sizes_on_grid(factors: Array, points: int) -> Array:
+    """(points·modes, k): |Σ factors·waves| on an even grid, factors (2·modes + 1, k), raised so
+    that the largest is no less than between the points (Ehlich & Zeller 1964).
+    """
+    modes = factors.shape[0] // 2
+    spectrum = factors[: modes + 1].astype(np.complex128)
+    spectrum[1:] -= 1j * factors[modes + 1 :]
+    spectrum[1:] *= 0.5
+    count = points * modes
+    sizes = np.abs(np.fft.irfft(spectrum, count, axis=0))
+    return np.asarray(sizes * (count / math.cos(math.pi / points)))
 
 
 def _times(factors: Array, columns: Array) -> Array:

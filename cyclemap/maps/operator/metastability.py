@@ -104,7 +104,7 @@ class SlowChain:
         """For each state the chance a cycle of leaving it, the diagonal of I - Q.
 
         With first-order bounds on the errors, the map's ``max_error`` ε included. Of λ: its bound
-        in the spectrum; of Λ as a matrix ε ∫|p_j||∂E z_k(F + ξ)/∂F|, p_j the right eigenfunctions.
+        in the spectrum; of the rest of Λ what ε couples (``FourierDiscretisation.coupling``).
         Of an eigenfunction: ε max|∂E z_k(F + ξ)/∂F|, what one more backward step leaves of E z_k(F
         + ξ) - λ_k z_k (on the grid), the functions that the basis has not, rounding and the
         eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j| over the fast j, for what lies in the
@@ -130,14 +130,9 @@ class SlowChain:
         largest = np.abs(basis.dual(self.grid, self.left)).max(axis=0)
         left_over = np.abs(basis.backward(self.grid, change) / self.values).max(axis=0) + bounds
         left_over += largest * (basis.left_out + MATRIX * basis.size)
-        coupling = np.diag(bounds)
-        steepest = np.zeros(count)
-        epsilon = basis.map.max_error
-        if epsilon > 0.0:
-            slopes = np.abs(basis.expected_slope(self.left))
-            masses = np.abs(basis.on_nodes(spectrum.right[:, :count].real)) * basis.rule[1][:, None]
-            coupling = coupling + epsilon * (masses.T @ slopes)
-            steepest = epsilon * slopes.max(axis=0)
+        coupling = basis.coupling(self.left, spectrum.right[:, :count].real).T
+        np.fill_diagonal(coupling, bounds)
+        steepest = basis.map.max_error * np.abs(basis.expected_slope(self.left)).max(axis=0)
         apart = np.abs(spectrum.values[count:] - self.values[:, None])
         growth = np.sum(spectrum.condition[count:] / apart, axis=1)
         return coupling, left_over, _VERTEX + 2.0 * (left_over + steepest) * growth

@@ -11,19 +11,29 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, even_angles
+from cyclemap.arrays import Array, even_angles
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise import Noise
-from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
+from cyclemap.maps.operator.fourier_basis import (
+    Complex,
+    FourierDiscretisation,
+    ShiftedDiscretisation,
+    sizes_on_grid,
+)
 from cyclemap.maps.quadrature import Rule
 
 Function = Callable[[Array], Array]
 
-_GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
+_POINTS_A_MODE = 16  # on which the largest error of a density is sought: 2 % are left
+_MISSED = 1.03  # times a bound on two θ a mode: what may be missed between them
+_TRUSTED = (
+    0.25  # of a diffusion constant: a change up to there is told by its first order and worst
+)
+_COLUMNS = 64  # questions about the density whose answers are made at a time
 _POINTS = 8  # grid points a basis function
 _NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
 
@@ -73,6 +83,15 @@ class Discretisation(Protocol):
 
     def cycle(self, law: Array) -> Array:
         """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
+
+    def coupling(self, left: Array | Complex, right: Array | Complex) -> Array:
+        """(k, k): how much wᵀLv changes when F is off by its ``max_error``, to first order, at
+        most; w a column of ``left``, v one of ``right``.
+        """
+
+    @property
+    def moved(self) -> float:
+        """A bound on the norm of what L changes by then; inf where there is none."""
 
     def refined(self) -> Self:
         """A finer basis, for errors."""
@@ -146,6 +165,10 @@ class StationaryLaw:
             "WrappedNormal; else sample_staircases tells how paths spread"
         )
 
+    def diffusion_moved(self) -> float:
+        """How much a diffusion constant changes by the map's ``max_error``; there is none here."""
+        return 0.0
+
     def refined(self) -> Self:
         """The same on a finer basis."""
         return replace(self, basis=self.basis.refined())
@@ -209,20 +232,14 @@ class FourierLaw(StationaryLaw):
 
     @property
     def density_error(self) -> float:
-        """Bound on sup|p - p̃|, per radian, the map's ``max_error`` included to first order."""
-        return self._own_error + float(np.max(self._map_errors))
+        """Bound on sup|p - p̃|, per radian, the map's ``max_error`` included."""
+        return self._own_error + float(np.max(self._density_moved))
 
     @cached_property
     def _own_error(self) -> float:
-        """Bound on sup|p - p̃| for this map: on a grid so fine that Bernstein's inequality leaves 2
-        %.
-        """
+        """Bound on sup|p - p̃| for this map."""
         basis, correction, _, remainder = self.error
-        count = _GRID_FACTOR * basis.modes
-        spectrum = correction[: basis.modes + 1].astype(np.complex128)
-        spectrum[1:] -= 1j * correction[basis.modes + 1 :]
-        largest = float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI
-        return 1.02 * largest + remainder
+        return float(np.max(sizes_on_grid(basis.scale * correction, _POINTS_A_MODE))) + remainder
 
     def _dual_bound(self, moments: Array) -> float:
         """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's
@@ -231,46 +248,67 @@ class FourierLaw(StationaryLaw):
         return 2.0 * float(np.max(np.abs(self.dual(moments)), initial=1.0)) * self.error[2]
 
     def moment_error(self, order: int) -> float:
-        """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included to first
-        order.
-        """
+        """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included."""
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
         error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
-        for bound in self._map_error, self._dual_bound:
-            error += float(np.hypot(bound(row.real), bound(row.imag)))
-        return error
+        parts = np.stack([row.real, row.imag], axis=1)
+        error += float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
+        return error + float(np.hypot(*self._moved(parts)))
 
-    def _map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
-        """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
-        ``max_error``.
+    def _moved(self, moments: Array, direct: float = 0.0) -> Array:
+        """(k,): bounds on the change of E h when F is off by up to ``max_error`` ε, of several h
+        with ``moments`` ∫ h φ_j, (n, k), whose ∂h/∂F is ``direct``.
 
-        ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E
-        z(F + ξ) in F, and ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
+        With z of Poisson's equation for h, and g(y) = E z(y + ξ), the change is exactly the mean
+        of direct·δ + g(F + δ) - g(F) under the law of F + δ. That is at most ε E|s| + ½ε² sup|g''|,
+        s = direct + g'(F), and the mean of |s| under the other law at most ε sup|g₁'| more than
+        under this one, g₁ made of |s| as g is of h.
         """
-        epsilon = self.basis.map.max_error
+        basis = self.basis
+        epsilon = basis.map.max_error
         if epsilon == 0.0:
-            return 0.0
-        slope = direct + self.basis.expected_slope(self.dual(moments))
-        return epsilon * float(np.dot(np.abs(self.masses), np.abs(slope)))
+            return np.zeros(moments.shape[1])
+        theta, weight = basis.rule
+        dual = self.dual(moments)
+        slopes = np.abs(direct + basis.expected_slope(dual))
+        again = self.dual(basis.integrals(theta, weight[:, None] * slopes))
+        bend = 0.5 * basis.slopes_on_grid(dual, 2).max(axis=0)
+        other = basis.slopes_on_grid(again, 1).max(axis=0)
+        return np.asarray(epsilon * (np.abs(self.masses) @ slopes + epsilon * (bend + other)))
 
     @cached_property
-    def _map_errors(self) -> Array:
-        """First-order bounds on the change of the density, per radian, when F is off by up to
-        ``max_error``.
+    def _density_moved(self) -> Array:
+        """Bounds on the change of the density, per radian, when F is off by up to ``max_error`` ε,
+        on an even grid of two θ a mode.
 
-        ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
+        As in ``_moved`` with h all at θ, but for the other law p': ∫|p' - p| is at most ε m, m the
+        mean of a(F), a(y) = ∫ |g_θ'(y)| dθ, under p', and so m <= E a(F) + ½ε m sup a.
         """
         basis = self.basis
         epsilon = basis.map.max_error
         if epsilon == 0.0:
             return np.zeros(1)
-        where = even_angles(basis.modes)
+        where = even_angles(2 * basis.modes)
         mass: Array = np.abs(self.masses)
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
         at = basis.rule[0][held]
-        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where)), at))
-        return epsilon * (mass[held] @ slopes)
+        moved, steepest, bend = [], [], []
+        across = np.zeros(1)
+        for block in np.array_split(where, 1 + where.size // _COLUMNS):
+            dual = self.dual(basis.evaluate(block))
+            moved.append(mass[held] @ np.abs(basis.expected_slope(dual, at)))
+            slopes = basis.slopes_on_grid(dual, 1)
+            across = across + slopes.sum(axis=1) * where[1]
+            steepest.append(slopes.max(axis=0))
+            bend.append(basis.slopes_on_grid(dual, 2).max(axis=0))
+        first = np.concatenate(moved)
+        highest = float(np.max(across))
+        held_back = 1.0 - 0.5 * epsilon * highest
+        mean = float(np.sum(first)) * where[1]
+        carried = min(highest, mean / held_back) if held_back > 0.0 else highest
+        second = 0.5 * (np.concatenate(bend) + carried * np.concatenate(steepest))
+        return np.asarray(epsilon * (_MISSED * first + epsilon * second))
 
     def expectation(
         self,
@@ -299,14 +337,14 @@ class FourierLaw(StationaryLaw):
         bound += abs(float(np.dot(weight * values, fine.density(theta, correction))))
         moments = basis.integrals(theta, weight * values)
         bound += self._dual_bound(moments)
-        return Estimate(value, bound + self._map_error(moments, direct))
+        return Estimate(value, bound + float(self._moved(moments[:, None], direct)[0]))
 
     def distance_from_uniform(self) -> Estimate:
         """½∫|p - 1/2π|, cut where the density crosses the uniform one; 0 where it cannot be told
         from it.
         """
         grid, values = self.grid
-        known = np.pi * (self._own_error + float(np.mean(self._map_errors))) + INTEGRAL
+        known = np.pi * (self._own_error + float(np.mean(self._density_moved))) + INTEGRAL
         excess = values - 0.5 / np.pi
         farthest = float(np.max(np.abs(excess)))
         if farthest <= 4.0 * self.density_error:
@@ -337,18 +375,58 @@ class FourierLaw(StationaryLaw):
             return Estimate(float("inf"), 0.0)
         if basis.noise.sigma is None:
             return super().diffusion()
+        value, _ = self._spread
+        # Rounding is what the norm of (I - L)⁻¹ magnifies.
+        return Estimate(value, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(value)))
+
+    def diffusion_moved(self) -> float:
+        """How much D may change when F is off by up to ``max_error`` ε; 0 where D is infinite.
+
+        To first order, and how far from that maps change D that are off by ±ε with the signs of
+        ∂D/∂F: measured. inf where that is more than a quarter of D, for these tell nothing then.
+        """
+        basis = self.basis
+        epsilon = basis.map.max_error
+        if epsilon == 0.0 or np.isinf(basis.noise.variance):
+            return 0.0
+        value, response = self._spread
+        rate = float(np.sum(np.abs(response)))
+        beyond = []
+        for shift in (-epsilon, epsilon):
+            by = shift * np.sign(response)
+            other = ShiftedDiscretisation(basis.map, basis.noise, basis.modes, basis.finer, by)
+            beyond.append(abs(FourierLaw(other)._spread[0] - value - shift * rate))
+        moved = epsilon * rate + max(beyond)
+        return moved if moved <= _TRUSTED * value else float("inf")
+
+    @cached_property
+    def _spread(self) -> tuple[float, Array]:
+        """D, and how fast it changes with F at each node of the basis's rule.
+
+        1 + s²D + ... is the largest eigenvalue of the operator whose steps u + ξ, less their mean,
+        are weighted by exp(s·step): its left function is 1 + s·z + s²·z₂ + ..., its law p + s·p₁ +
+        ..., z₂ of Poisson's equation for what a step from θ adds to D, p₁ = (I - L)⁻¹ of the mean
+        step into an angle. So ∂D/∂F(θ) = p₁ (1 + E z'(θ')) + p E [(u + ξ)(1 + z'(θ')) + z(θ') +
+        z₂'(θ')].
+        """
+        basis = self.basis
         theta, weight = basis.rule
-        turn = basis.map.turn(theta)
+        variance = basis.noise.variance
+        law = self.coefficients
         mass = self.masses
+        turn = basis.images - theta
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
-        later = basis.backward(theta, dual)  # Pz, but for a constant
-        correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
-        spread = 0.5 * correlated + basis.noise.variance * (
-            0.5 + float(np.dot(mass, basis.expected_slope(dual)))
-        )
-        # Rounding is what the norm of (I - L)⁻¹ magnifies.
-        return Estimate(spread, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(spread)))
+        later = basis.expected(dual)  # Pz, but for a constant
+        later = later - np.dot(mass, later)
+        slope = 1.0 + basis.expected_slope(dual)
+        added = turn * (0.5 * turn + later) + variance * (slope - 0.5)
+        second = self.dual(basis.integrals(theta, weight * added))
+        into = basis.carried(turn * basis.on_nodes(law)) - variance * basis.derived(law)
+        tilted = weight * basis.on_nodes(self._solve(into))
+        bent = variance * basis.expected_slope(basis.derived(dual))
+        steps = turn * slope + bent + later + basis.expected_slope(second)
+        return float(np.dot(mass, added)), tilted * slope + mass * steps
 
 
 def checked_values(function: Function, theta: Array) -> Array:

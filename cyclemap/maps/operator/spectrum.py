@@ -35,10 +35,10 @@ class Spectrum:
     values : ndarray of complex, shape (k,)
         The eigenvalues.
     error_bounds : ndarray, shape (k,)
-        Bounds on |error| to first order in the residuals of both vectors; inf where that is
-        more than a sixteenth of the distance to the next eigenvalue found, so that the first
-        order tells nothing, or where the basis cannot tell. That none was overlooked is not
-        proved.
+        Bounds on |error| to first order in the residuals of both vectors, and to second in what
+        maps within ``max_error`` change; inf where that is more than a sixteenth of the distance to
+        the next eigenvalue found, so that it tells nothing, or where the basis cannot tell. That
+        none was overlooked is not proved.
     condition : ndarray, shape (k,)
         ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a change of
         the operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
@@ -85,6 +85,7 @@ def leading_spectrum(
         good = condition <= _WELL_CONDITIONED
         same = (apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))
         bounds = _error_bounds(basis, finer, values, right, left, same)
+        bounds += _moved_by_map(basis, right, left, apart, same)
         bounds += MATRIX * condition * float(np.linalg.norm(basis.matrix))
     # How far from each eigenvalue the nearest different one lies, 1 at most.
     apart[same] = 1.0
@@ -148,7 +149,7 @@ def _radius(basis: Discretisation, least: float) -> float:
     power = _deflated(basis)
     size = float(np.linalg.norm(power))
     rounding = MATRIX * (4.0 + np.sqrt(basis.size))
-    off = float((rounding + basis.left_out) * (1.0 + size))
+    off = float((rounding + basis.left_out) * (1.0 + size)) + basis.moved
     most = min(1.0, size + off)
     for squaring in range(1, _SQUARINGS + 1):
         if most <= _ENOUGH * least:
@@ -261,3 +262,20 @@ def _error_bounds(
     others = np.append(leading_values(finer, max(2 * values.size, 8)), np.zeros(values.size))
     gaps = np.abs(values[:, None] - others)
     return np.asarray(2.0 * gaps[linear_sum_assignment(gaps)])
+
+
+def _moved_by_map(
+    basis: Discretisation, right: Complex, left: Complex, apart: Array, same: Mask
+) -> Array:
+    """How far every eigenvalue may move when F is off by its ``max_error``, to first order and, as
+    far as the other vectors here tell, to second.
+
+    |wᵀ(L' - L)v| for each pair of vectors; of an eigenvalue its own, or of copies of one the row
+    of their block, and Σ_j |w_kᵀ(L' - L)v_j||w_jᵀ(L' - L)v_k| / |λ_k - λ_j|.
+    """
+    if basis.map.max_error == 0.0:
+        return np.zeros(right.shape[1])
+    coupling = basis.coupling(left, right)
+    own = np.max(np.where(same, np.sum(coupling, axis=1, where=same), 0.0), axis=1)
+    others = coupling * coupling.T / apart
+    return np.asarray(own + np.sum(others, axis=1, where=~same))

@@ -142,9 +142,10 @@ class TransferOperator:
     Notes
     -----
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L
-    p = p (see ``StationaryLaw.error`` for what in them is proved and what measured); to first
-    order they include the map's own ``max_error``, except in the spectrum and the diffusion
-    constant.
+    p = p (see ``StationaryLaw.error`` for what in them is proved and what measured), and hold for
+    every map within ``max_error`` of this one: of the density and its integrals to all orders, of
+    the spectrum to second order as far as the eigenvalues found tell, of the diffusion constant as
+    far as the worst map to first order tells (measured).
 
     Examples
     --------
@@ -241,11 +242,7 @@ class TransferOperator:
     @cached_property
     @one_thread
     def rotation_number(self) -> Estimate:
-        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law.
-
-        Its bound counts the map's ``max_error`` to first order: where that is no longer small
-        beside the noise, a map within it may lie further off.
-        """
+        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
         require_degree_one(self.map, "a mean winding")
         return self.law.expectation(
             lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI
@@ -257,8 +254,8 @@ class TransferOperator:
         """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see
         ``StationaryLaw.diffusion``.
 
-        For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other
-        noise is refused.
+        For normal noise, by a measured bound against D on a finer basis and of maps within
+        ``max_error``; inf for Cauchy's, other noise is refused.
 
         >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
@@ -267,7 +264,8 @@ class TransferOperator:
         plain = self.law.diffusion()
         if np.isinf(plain):
             return plain
-        return Estimate(plain, abs(self._finer.diffusion() - plain) + plain.error_bound)
+        off = abs(self._finer.diffusion() - plain) + plain.error_bound
+        return Estimate(plain, off + self.law.diffusion_moved())
 
     @cached_property
     @one_thread

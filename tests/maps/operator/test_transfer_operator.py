@@ -205,29 +205,6 @@ def test_bounds_of_truncated_operators_hold_and_are_tight(name, noise):
     assert decided >= 1
 
 
-@pytest.mark.parametrize("name", ["sine", "folded"])
-def test_the_maps_own_error_is_covered_to_first_order(name):
-    """The worst F + δ, |δ| = ε, chosen by the sign of the response itself, moves E cos θ and ρ by
-    just the bound.
-    """
-    exact, noise, epsilon = MAPS[name], WrappedNormal(0.25), 1e-6
-    claimed = CircleMap(exact, exact.derivative, max_error=epsilon)
-    law = transfer_operator(claimed, noise)
-    plain = transfer_operator(exact, noise)
-    waves = [
-        lambda x, k=k, shape=shape: shape(k * x) for k in range(1, 5) for shape in (np.cos, np.sin)
-    ]
-    lifts = [lambda x, wave=wave: exact(x) + epsilon * wave(x) for wave in waves]
-    moved = [transfer_operator(CircleMap(lift, exact.derivative), noise) for lift in lifts]
-    cosine = [abs(other.moment(1) - plain.moment(1)) for other in moved]
-    winding = [abs(other.rotation_number - plain.rotation_number) for other in moved]
-    density = [np.max(np.abs(other.density(GRID) - plain.density(GRID))) for other in moved]
-    assert max(cosine) <= law.moment_error(1) <= 30 * max(cosine)
-    assert max(winding) <= law.rotation_number.error_bound <= 30 * max(winding)
-    assert max(density) <= law.error_bound <= 30 * max(density)
-    assert plain.error_bound < 1e-12
-
-
 def test_a_law_that_noise_cannot_decide_says_so():
     """Two wells that noise of 0.06 rad connects once in 1e30 cycles: any mixture is as stationary
     as any other.
