@@ -231,7 +231,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("(np.abs(self.masses) @ slopes + epsilon * (bend + other))", "(epsilon * bend)"),
             ("epsilon * (bend + other)", "epsilon * bend"),
             ("(_MISSED * first + epsilon * second)", "(_MISSED * first)"),
-            ("return epsilon * rate + max(beyond)", "return 0.5 * epsilon * rate"),
+            ("moved = epsilon * rate + max(beyond)", "moved = epsilon * rate"),
         ],
     ),
     "maps/operator/transfer_operator.py": (
