@@ -288,10 +288,10 @@ def inertia_caption(study: InertiaStudy) -> str:
     left = math.degrees(float(study.differences[:, int(study.speeds.argmin())].max()))
     return (
         f"The paper's dynamic simulation less the quasi-static model at {speed:g} mm/s: "
-        f"{differences(study.material, 2)} on plywood, {differences(study.isotropic, 2)} on isotropic "
-        f"friction. The difference of a cycle falls with the speed to the power {first:.2f} on "
-        f"plywood and {second:.2f} on isotropic friction: inertia enters as the speed squared. At "
-        f"{slowest} mm/s {left:.3f}° are left."
+        f"{differences(study.material, 2)} on plywood, {differences(study.isotropic, 2)} on "
+        "isotropic friction. The difference of a cycle falls with the speed to the power "
+        f"{first:.2f} on plywood and {second:.2f} on isotropic friction: inertia enters as the "
+        f"speed squared. At {slowest} mm/s {left:.3f}° are left."
     )
 
 

@@ -130,8 +130,8 @@ def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
         )
     if asked.shape and asked.name:
         raise InvalidInput(
-            f"--name {asked.name}: {asked.shape} keeps its name, by which materials know its plate; "
-            "leave --name out"
+            f"--name {asked.name}: {asked.shape} keeps its name, by which materials know its "
+            "plate; leave --name out"
         )
     if asked.shape:
         return Slider.mit(asked.shape).outline, []

@@ -140,8 +140,8 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
     material, given, strategy = said_settings(loop.surface, loop.protocol, loop.settings)
     if strategy is not None:
         raise InvalidInput(
-            f"{strategy_file(loop.surface, loop.protocol)}: a sweep is about one push and one drag back: "
-            "take the table [strategy] out of it"
+            f"{strategy_file(loop.surface, loop.protocol)}: a sweep is about one push and one drag "
+            "back: take the table [strategy] out of it"
         )
     # What is swept takes the place of what a file says, as --set does.
     settings = {

@@ -1,4 +1,4 @@
-"""What cycles of a push and a drag back give: each with its course, many as arrays, and derivatives."""
+"""What cycles of a push and a drag back give: each with its course, many as arrays, derivatives."""
 
 from __future__ import annotations
 

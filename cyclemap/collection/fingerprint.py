@@ -1,4 +1,4 @@
-"""The numbers that tell how a protocol's cycle answers a surface that is nearly isotropic and flat."""
+"""The numbers that tell how a protocol's cycle answers a nearly isotropic and flat surface."""
 
 import math
 from dataclasses import dataclass, field, replace

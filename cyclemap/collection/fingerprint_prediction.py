@@ -342,7 +342,7 @@ class Prediction:
 
 
 def _nearest(theta: float, orbits: Sequence[Orbit]) -> tuple[Orbit | None, float]:
-    """The fixed point nearest to a direction, and how far that is, rad; None and inf without any."""
+    """The fixed point nearest to a direction and how far that is, rad; None and inf without any."""
     away = [abs(float(shorter_way(orbit.points[0] - theta))) for orbit in orbits]
     nearest = min(away, default=math.inf)
     return (orbits[away.index(nearest)] if away else None), nearest

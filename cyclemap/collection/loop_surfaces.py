@@ -1,5 +1,5 @@
-"""Surfaces as a loop meets them: how far one is from isotropic and flat, and the loop on another one,
-or on one that wears.
+"""Surfaces as a loop meets them: how far one is from isotropic and flat, and the loop on another
+one, or on one that wears.
 """
 
 import cmath
@@ -190,8 +190,8 @@ def floor_bow(loop: CollectionLoop) -> float:
 
 
 def can_bow(loop: CollectionLoop) -> bool:
-    """Return whether the pressure is that of an outline: flat, or one with shapes, not points or shares of
-    the load.
+    """Return whether the pressure is that of an outline: flat, or one with shapes, not points or
+    shares of the load.
     """
     footprint = loop.footprint
     return footprint is None or isinstance(footprint, PressedFootprint)

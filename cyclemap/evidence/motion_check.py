@@ -445,7 +445,7 @@ class _Test:
 
 @dataclass(frozen=True, eq=False)
 class _Predicted(_Test):
-    """Pushes whose motion (n,), complex, and turn (n,) in the object's own frame a loop predicts."""
+    """Pushes whose motion (n,), complex, and turn (n,), in the object's frame, a loop predicts."""
 
     loop: CollectionLoop
     motion: Array

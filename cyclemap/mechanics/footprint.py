@@ -106,9 +106,9 @@ class PatchFootprint:
         lift = even_share + float((outline.points(720) - outline.centroid).dot(gradient).min())
         if lift < -_ROUNDING:
             raise InvalidInput(
-                f"centre of pressure {centre} m with {self._shares} lifts the outline off the ground "
-                f"(least pressure {lift:.3g} of the mean): bring it nearer to the centroid, leave "
-                "more of the load even, or give support points"
+                f"centre of pressure {centre} m with {self._shares} lifts the outline off the "
+                f"ground (least pressure {lift:.3g} of the mean): bring it nearer to the centroid, "
+                "leave more of the load even, or give support points"
             )
         vars(self).update(
             centre=centre,

@@ -90,7 +90,8 @@ class Setting:
                 raise InvalidInput(f"{self.key} must be a word, not {value!r}")
             return value
         if self.kind == POINTS:
-            return tuple(map(tuple, finite_array(self.key, value, last=2, ndim=2).tolist()))  # type: ignore[arg-type]
+            pairs = finite_array(self.key, value, last=2, ndim=2)  # type: ignore[arg-type]
+            return tuple(map(tuple, pairs.tolist()))
         return (positive_number if self.key == NOISE_KEY else finite_number)(self.key, value)
 
 

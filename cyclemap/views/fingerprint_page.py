@@ -116,9 +116,9 @@ def protocol_sentence(fingerprint: Fingerprint) -> str:
         angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude)
     )
     return (
-        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({strokes}); an "
-        f"offset of 1 % changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}, "
-        "a floor with a bow of 0.1 mean pressures at 50 mm by up to "
+        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({strokes}); "
+        f"an offset of 1 % changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}"
+        ", a floor with a bow of 0.1 mean pressures at 50 mm by up to "
         f"{angle(0.1 * whole.bow_amplitude, 2)}."
     )
 

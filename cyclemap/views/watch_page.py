@@ -188,7 +188,8 @@ def coverage_sentence(report: BiasReport) -> str:
         f"worth {effective:.{int(effective < 10.0)}f} spread evenly ({report.recent_worth:.2f} a "
         "push lately)"
     )
-    return f"{covered(report.coverage)}; the {counted(count, 'push', 'es')} {'is' if count == 1 else 'are'} {worth}."
+    are = "is" if count == 1 else "are"
+    return f"{covered(report.coverage)}; the {counted(count, 'push', 'es')} {are} {worth}."
 
 
 def covered(state: CoverageState) -> str:

@@ -301,7 +301,8 @@ def _climb_sentence(panel: MaterialStaircase) -> str:
         )
         words += " (paper: about 150)"
     if panel.recorded is not None:
-        words += f". The recorded path of {panel.recorded.path.size} pushes {_course_words(panel.recorded)}"
+        recorded = panel.recorded
+        words += f". The recorded path of {recorded.path.size} pushes {_course_words(recorded)}"
     return f"{words}."
 
 

@@ -151,11 +151,11 @@ def friction_caption(result: FrictionEllipses) -> str:
     sentences = [
         f"Limit ellipses of point friction. The paper gives that of {paper.material} alone, with φ "
         f"= {paper.law.phi:.4f} rad: its axes differ by {100 * (paper.axis_ratio - 1):.1f} %, and "
-        f"its centre lies {100 * paper.anisotropy.offset:.1f} % of the mean coefficient from zero, towards "
-        f"{angle(paper.anisotropy.offset_direction, 0)}. The others are inferred from how objects "
-        "moved, which does not tell the size of friction: their mean is 0.25 by convention. Their "
-        f"axis ratios are {min(ratios):.2f} to {max(ratios):.2f}, their offsets {min(offsets):.1f} "
-        f"to {max(offsets):.1f} % of the mean.",
+        f"its centre lies {100 * paper.anisotropy.offset:.1f} % of the mean coefficient from "
+        f"zero, towards {angle(paper.anisotropy.offset_direction, 0)}. The others are inferred "
+        "from how objects moved, which does not tell the size of friction: their mean is 0.25 by "
+        f"convention. Their axis ratios are {min(ratios):.2f} to {max(ratios):.2f}, their offsets "
+        f"{min(offsets):.1f} to {max(offsets):.1f} % of the mean.",
         f"Ellipses are fitted to recorded friction scans on {listed(scanned)}." if scanned else "",
         *[
             f"The recorded friction scans on {name} fix no ellipse: {why}."

@@ -374,7 +374,9 @@ def _without_stand_ins(
 
 
 def with_headings(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
-    """Return orientations in place of quaternions, y to the right of x where that is up, as it is said."""
+    """Return orientations in place of quaternions, y to the right of x where that is up, as is
+    said.
+    """
     words = list[str]()
     height = rows.pop("z") if "z" in rows else None
     for end in ("", "0", "1"):

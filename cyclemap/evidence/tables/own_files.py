@@ -257,7 +257,9 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
 
 
 def _without_lists(frame: pandas.DataFrame, names: Mapping[str, Sequence[str]]) -> pandas.DataFrame:
-    """The columns of a frame, of lists that are alike each part as one, without what is no value."""
+    """The columns of a frame, of lists that are alike each part as one, without what has no
+    value.
+    """
     import pandas
 
     apart: dict[str, pandas.Series] = {}

@@ -1,5 +1,5 @@
-"""The bifurcations of periodic orbits in a range of one parameter, listed; those at which a parameter
-that moves slowly takes stable points away, and how late that shows.
+"""The bifurcations of periodic orbits in a range of one parameter, listed; those at which a
+parameter that moves slowly takes stable points away, and how late that shows.
 """
 
 from __future__ import annotations

@@ -69,8 +69,8 @@ class MonotoneTable:
         """The cell, between one node and the next, in which each of ``values`` is taken."""
         rising = self.sign * self.value
         side = "right" if self.sign > 0 else "left"
-        cell = np.searchsorted(rising, self.sign * values, side=side) - 1  # type: ignore[call-overload]
-        return np.asarray(np.clip(cell, 0, self.theta.size - 2))
+        after = np.searchsorted(rising, self.sign * values, side)  # type: ignore[call-overload]
+        return np.asarray(np.clip(after - 1, 0, self.theta.size - 2))
 
 
 TOUCH = 1e-12  # radians: a fold this near a level touches it

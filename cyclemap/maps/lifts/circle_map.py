@@ -161,8 +161,8 @@ class CircleMap(MadeLift):
                     pickle.dumps(given)
                 except Exception as cause:
                     raise InvalidInput(
-                        f"the map cannot be pickled, as {given!r} cannot: make it of functions that "
-                        "are defined by def at the top of a module (or sample it: "
+                        f"the map cannot be pickled, as {given!r} cannot: make it of functions "
+                        "that are defined by def at the top of a module (or sample it: "
                         "CircleMap.from_samples)"
                     ) from cause
         return _remade, (self._recipe,)

@@ -21,8 +21,8 @@ from cyclemap.maps.lifts.map_algebra import CompositeLift
 from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic
 from cyclemap.plain_text import install_words
 
-# flint.arb, a midpoint and a radius, or a power series of two: every operation gives balls that hold
-# the true result
+# flint.arb, a midpoint and a radius, or a power series of two: every operation gives balls that
+# hold the true result
 Ball = Any
 
 _WRITTEN = (

@@ -62,8 +62,8 @@ class PiecewiseCubic(MadeLift):
         return with_rounding(self.derivative(theta))
 
     def surely_rises(self) -> bool:
-        """Whether no cubic falls, as its slope's coefficients in Bernstein's polynomials tell: where
-        they do not, it may rise all the same.
+        """Whether no cubic falls, as its slope's coefficients in Bernstein's polynomials tell:
+        where they do not, it may rise all the same.
         """
         _, first, second, third = self.coefficients
         width = np.diff(self.knots)

@@ -60,7 +60,7 @@ class JumpCrossing:
 
 @dataclass(frozen=True, eq=False)
 class DiagonalScan:
-    """Cells and their ends, with how many whole turns lie below g at each: what counts as a crossing.
+    """Cells and their ends, with how many whole turns lie below g at each: what counts as crossing.
 
     Beside them the points that lie at a node within the tangency: ``touch`` (g meets a whole turn
     without crossing it), ``kink`` (a crossing on a kink) and ``border`` (g ends there at a jump),
@@ -121,8 +121,8 @@ class DiagonalScan:
         return end, None
 
     def settled(self, seed: int) -> list[int]:
-        """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the
-        run.
+        """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list
+        the run.
         """
         w = round(self.height(seed) / TWO_PI)
         low, below = self.reached(seed, -1, w)

@@ -245,8 +245,8 @@ def _folds(circle_map: CircleMap) -> Folds:
         climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0
         if branch.direction == 0 or abs(branch.end_value - after.start_value - climb) > JUMP:
             raise InvalidInput(
-                f"F jumps or is constant near θ = {branch.end % TWO_PI:.6g}: entropy is computed for "
-                "continuous lifts without plateaus"
+                f"F jumps or is constant near θ = {branch.end % TWO_PI:.6g}: entropy is computed "
+                "for continuous lifts without plateaus"
             )
     return Folds(circle_map, parts)
 

@@ -221,8 +221,8 @@ def _relative_error(circle_map: CircleMap, passage: SlowPassage) -> float:
 
 
 def _followed(circle_map: CircleMap, passage: SlowPassage) -> float:
-    """Iterates from one end of the stretch to the other, ±REACH widths off, of the last one the share
-    that its way has inside; inf where a path does not get through.
+    """Iterates from one end of the stretch to the other, ±REACH widths off, of the last one the
+    share that its way has inside; inf where a path does not get through.
     """
     way = passage.direction
     reach = REACH * passage.width

@@ -344,10 +344,10 @@ def predict_drift(
     -----
     At each of these cycles, ``predict_staircase`` of the frozen map; and the expected climb Σ_n
     ρ_n, ρ_n the frozen map's rotation number, by adaptive quadrature over the run to a hundredth of
-    a turn; the bound is its estimate of its error, and what the sum may differ from the integral by,
-    from how much the slope of ρ_n changes over the run (measured). The law lags behind a drifting
-    map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter,
-    and the start's own approach adds up to a turn.
+    a turn; the bound is its estimate of its error, and what the sum may differ from the integral
+    by, from how much the slope of ρ_n changes over the run (measured). The law lags behind a
+    drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may
+    matter, and the start's own approach adds up to a turn.
 
     References
     ----------
