@@ -84,6 +84,14 @@ def whole_number(name: str, value: object, least: int | None = None) -> int:
     return int(value)
 
 
+def float_array(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Return `value` as a float array, or raise InvalidInput where it does not hold numbers."""
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError) as cause:
+        raise InvalidInput(f"{name} must hold numbers only: {cause}") from cause
+
+
 def finite_array(
     name: str, value: ArrayLike, last: int | None = None, ndim: int | None = None
 ) -> NDArray[np.float64]:
@@ -91,10 +99,7 @@ def finite_array(
 
     `last`: length of its last axis; `ndim`: number of its axes.
     """
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError, OverflowError) as cause:
-        raise InvalidInput(f"{name} must hold numbers only: {cause}") from cause
+    array = float_array(name, value)
     if last is not None and array.shape[-1:] != (last,):
         raise InvalidInput(f"{name} must have shape (..., {last}), not {array.shape}")
     if ndim is not None and array.ndim != ndim:

@@ -288,6 +288,12 @@ def length_and_start(path: "Array | None") -> tuple[int, float]:
     return (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
 
 
+def is_said(parameter: str) -> bool:
+    """Whether the command that runs was given this parameter, by the name of its field."""
+    context = click.get_current_context()
+    return context.get_parameter_source(parameter) is ParameterSource.COMMANDLINE
+
+
 def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
     """The words of the command that runs, as they were said, without parameters that are left out.
 
@@ -297,8 +303,7 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
     words = ["cyclemap", str(context.command.name)]
     for parameter in context.command.params:
         name = str(parameter.name)
-        is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if not is_said or name in (*left_out, "quiet"):
+        if not is_said(name) or name in (*left_out, "quiet"):
             continue
         given = context.params[name]
         option = parameter.opts[:1]

@@ -10,7 +10,7 @@ import click
 
 from cyclemap import sweeps
 from cyclemap.cli.commands import SweepOptions
-from cyclemap.cli.options import words_of
+from cyclemap.cli.options import is_said, words_of
 from cyclemap.cli.output import (
     PeopleConsole,
     progress_bar,
@@ -49,6 +49,11 @@ def run_sweep(asked: SweepOptions) -> None:
     if asked.status and (exports or asked.draw):
         raise InvalidInput(
             "--status only tells how far the sweep is: leave --export and --draw out"
+        )
+    of_sample = [f"--{name}" for name in ("seed", "sequence") if is_said(name)]
+    if of_sample and asked.sample is None:
+        raise InvalidInput(
+            f"{' and '.join(of_sample)}: a grid has none; give --sample N, or leave it out"
         )
     plan = sweep_plan(asked)
     drawable = [quantity.name for quantity in plan.numbers.quantities if not quantity.many]

@@ -110,7 +110,10 @@ BAD_USES = [
     ([*SWEEP, "--draw", "tv_from_uniform"], "unknown quantity to draw"),
     ([*SWEEP, "--tolerance-deg", "-1"], "tolerance must be positive"),
     ([*SWEEP, "--rotation-tolerance", "-1"], "rotation_tolerance must not be negative"),
+    ([*SWEEP, "--seed", "3"], "--seed: a grid has none; give --sample N"),
+    ([*SWEEP, "--seed", "0", "--sequence", "sobol"], "--seed and --sequence: a grid has none"),
     (["sweep", "--over", "hitch_x_mm=-12:0:5"], "give a material"),
+    (["audit", ".", "--units", "deg,mm"], "files in the MIT layout tell their columns and units"),
     (
         ["sweep", "plywood", "--over", "mu_a=0.2:0.3", "--sample", "4", "--over", "mu_a=1:2"],
         "mu_a is swept twice",

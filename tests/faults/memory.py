@@ -47,6 +47,7 @@ COMMANDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "sweep on": (f"{_SWEPT} --out .", ("sweep_isotropic.sqlite",)),
     "reset": ("reset plywood --protocol {}", ("protocol.toml",)),
     "plan": ("plan {} --pushes 2", ("collection.toml",)),
+    "check": ("check {}", ("collection.toml",)),
     "init": ("init made.toml --outline {}", OUTLINES),
     # Captions of pictures that are there already.
     "figures": ("figures table-friction --out .", ("figures.json",)),

@@ -66,6 +66,11 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
             )
         target = out / f"{stem}_as_read.csv"
         text, words = filled_text(data)
+    elif kind is FileKind.RECORDS and (table.columns or table.units):
+        raise InvalidInput(
+            f"{data}: files in the MIT layout tell their columns and units: leave --columns and "
+            "--units out"
+        )
     elif table.columns or table.units or kind is FileKind.OTHER:
         target = out / as_read_name(stem, said)
         text, words, guessed = _own_text(data, table, out / f"{stem}_motions.png")

@@ -16,9 +16,9 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import (
     finite_array,
     finite_number,
+    float_array,
     non_negative_number,
     read_only,
-    whole_number,
 )
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import inline_svg, map_strokes
@@ -30,6 +30,7 @@ from cyclemap.maps.lifts.lift_checks import (
     base_angles,
     check_lift,
     check_scalar,
+    checked_degree,
     differences,
     guarded,
     one_sided_limit,
@@ -127,7 +128,7 @@ class CircleMap(MadeLift):
         scalar = made.scalar() if made is not None and made.has_scalar else None
         self._set(
             breaks=own_breaks,
-            degree=whole_number("degree", degree),
+            degree=checked_degree(degree),
             max_error=non_negative_number("max_error", max_error),
             samples=0,
             formula=lift,
@@ -183,11 +184,11 @@ class CircleMap(MadeLift):
 
     def __call__(self, theta: ArrayLike) -> Array:
         """The lift F(θ); ``theta`` in radians, any shape, any real numbers."""
-        return self._lift(np.asarray(theta, dtype=np.float64))
+        return self._lift(float_array("theta", theta))
 
     def turn(self, theta: ArrayLike) -> Array:
         """F(θ) - θ, radians: how far one cycle turns."""
-        angles = np.asarray(theta, dtype=np.float64)
+        angles = float_array("theta", theta)
         return self._lift(angles) - angles
 
     def derivative(self, theta: ArrayLike, side: int = 0) -> Array:
@@ -198,7 +199,7 @@ class CircleMap(MadeLift):
             raise InvalidInput(f"side is {side!r}: give -1, 0 or 1")
         if side:
             return one_sided_limit(self.derivative, self.breaks, theta, side, 0)
-        angles = np.asarray(theta, dtype=np.float64)
+        angles = float_array("theta", theta)
         if self._derivative is not None:
             return self._derivative(angles)
         return differences(self._lift, self.breaks, angles)[0]
@@ -209,7 +210,7 @@ class CircleMap(MadeLift):
 
         Maps made of maps, or of branches, carry the errors of what they are made of.
         """
-        angles = np.asarray(theta, dtype=np.float64)
+        angles = float_array("theta", theta)
         if self._made is not None:
             return self._made.derivative_and_error(angles)
         if self._derivative is None:
@@ -423,7 +424,7 @@ class CircleMap(MadeLift):
         >>> tent.breaks.round(6).tolist(), round(float(tent(2 * np.pi + 0.5)), 12)
         ([0.0, 3.141593], 1.0)
         """
-        whole = whole_number("degree", degree)
+        whole = checked_degree(degree)
         given = list(branches) if isinstance(branches, Iterable) else branches
         lift, breaks = lift_from_branches(given, whole)
         return cls(lift, None, breaks, whole, max_error=max_error)
@@ -476,7 +477,7 @@ class CircleMap(MadeLift):
         >>> bool(abs(sampled(1.0) - (1 + 0.3 * np.sin(1.0))) < 1e-9)
         True
         """
-        whole = whole_number("degree", degree)
+        whole = checked_degree(degree)
         cubic, breaks, count = cubic_from_samples(theta, lifted, slopes, whole)
         return cls.from_pieces(cubic, breaks, count, max_error)
 

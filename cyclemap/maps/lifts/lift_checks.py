@@ -12,6 +12,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.checks import float_array, whole_number
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, STENCIL
 
@@ -43,6 +44,7 @@ class MadeLift(ABC):
         return lambda theta: float(self(np.asarray(theta)))
 
 
+LARGEST_DEGREE = 10**15
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
 JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
 SNAP = 1e-12  # radians: angles this near a break are that break
@@ -103,7 +105,7 @@ def one_sided_limit(
     """The function at ``theta``, and within ``SNAP`` of a break its limit there from below (-1) or
     above (1).
     """
-    angles = np.asarray(theta, dtype=np.float64)
+    angles = float_array("theta", theta)
     values = np.array(function(angles), dtype=np.float64)
     if breaks.size == 0:
         return values
@@ -189,6 +191,14 @@ def base_angles(theta: Array) -> Array:
     """``theta`` mod 2π, in [0, 2π); a tiny negative angle is 0, never 2π."""
     base = np.mod(theta, TWO_PI)
     return np.where(base < TWO_PI, base, 0.0)
+
+
+def checked_degree(degree: object) -> int:
+    """A map's degree, or InvalidInput where it is no whole number, or no float tells its angles."""
+    whole = whole_number("degree", degree)
+    if abs(whole) > LARGEST_DEGREE:
+        raise InvalidInput("degree must lie within ±1e15: angles are lost to rounding beyond")
+    return whole
 
 
 def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) -> None:

@@ -106,6 +106,24 @@ def has_hole(x):
     return np.where((base(x) > HOLE[0]) & (base(x) < HOLE[1]), np.nan, 1.0)
 
 
+@pytest.mark.parametrize("method", ["__call__", "turn", "derivative", "left", "right"])
+def test_angles_that_are_no_numbers_are_refused(method):
+    ask = getattr(CircleMap.arnold(0.1, 0.5), method)
+    for theta in ("a quarter", ["1.0", "x"], [[1.0], [2.0, 3.0]], 10**400):
+        with pytest.raises(InvalidInput, match="theta must hold numbers only"):
+            ask(theta)
+
+
+@pytest.mark.parametrize("degree", [10**400, -(10**16)])
+def test_a_degree_beyond_all_floats_is_refused(degree):
+    for make in (
+        lambda: CircleMap(np.sin, degree=degree),
+        lambda: CircleMap.from_samples([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], degree=degree),
+    ):
+        with pytest.raises(InvalidInput, match="degree must lie within"):
+            make()
+
+
 SOUND, SLOPE = CircleMap.arnold(0.1, 0.5), lambda x: 1 + 0.1 * np.cos(x)
 ASKED = [
     rotation_number,
