@@ -34,7 +34,7 @@ from cyclemap.collection.fingerprint_prediction import (
     predict,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow
+from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow, floor_varies
 from cyclemap.collection.portrait import (
     Portrait,
     StaircaseForecast,
@@ -252,11 +252,16 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     surface = Anisotropy.of(loop.material.friction)
     bow = floor_bow(loop)
     is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
-    predicts = is_named and bow == 0.0
+    predicts = is_named and bow == 0.0 and not floor_varies(loop)
     if asked.check and bow:
         raise InvalidInput(
             f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
             "mean pressures: set floor_bow=0, or ask for the portrait"
+        )
+    if asked.check and floor_varies(loop):
+        raise InvalidInput(
+            "--check compares a prediction for a floor that is alike everywhere, but this one has "
+            "a field: ask for the portrait"
         )
     if asked.check and not predicts:
         raise InvalidInput(

@@ -15,7 +15,12 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, positive_number
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import Anisotropy, floor_bow, with_anisotropy
+from cyclemap.collection.loop_surfaces import (
+    Anisotropy,
+    floor_bow,
+    floor_varies,
+    with_anisotropy,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
 from cyclemap.mechanics import EllipseFriction
@@ -503,6 +508,11 @@ def check_prediction(
         raise InvalidInput(
             "the prediction is of a floor without a bow, but the loop's has one of "
             f"{floor_bow(loop):g} mean pressures: set floor_bow=0, or ask its portrait"
+        )
+    if floor_varies(loop):
+        raise InvalidInput(
+            "the prediction is of a floor that is alike everywhere, but the loop's has a field: "
+            "replace its footprint by one with field=None, or ask its portrait"
         )
     if not np.allclose(
         own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9

@@ -20,10 +20,12 @@ from cyclemap.mechanics import (
     DragBack,
     EllipseFriction,
     Material,
+    PatchFootprint,
     PressedFootprint,
     Pusher,
     SurfaceShape,
 )
+from cyclemap.mechanics.plate_footprint import known_plate
 from cyclemap.written import DIRECTION
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
@@ -167,20 +169,20 @@ def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionL
 
 
 def with_bow(loop: CollectionLoop, bow: float) -> CollectionLoop:
-    """Return the loop on a floor of this bow along the world's x axis; support points have none,
-    and stay.
+    """Return the loop on a floor of this bow along the world's x axis, everywhere alike; support
+    points have none, and stay.
     """
     footprint = loop.footprint
     if isinstance(footprint, PressedFootprint):
-        return replace(
-            loop, footprint=replace(footprint, floor=replace(footprint.floor, bow=bow, axis=0.0))
-        )
+        floor = replace(footprint.floor, bow=bow, axis=0.0)
+        return replace(loop, footprint=replace(footprint, floor=floor, field=None))
     if bow == 0.0 or not can_bow(loop):
         return loop
     slider = loop.slider
-    pressed = PressedFootprint(
-        slider.outline, floor=SurfaceShape(bow=bow), centre=slider.centre_of_mass
-    )
+    outline, centre = slider.outline, slider.centre_of_mass
+    if isinstance(footprint, PatchFootprint):
+        outline, centre = footprint.outline, footprint.centre
+    pressed = PressedFootprint(outline, floor=SurfaceShape(bow=bow), centre=centre)
     return replace(loop, footprint=pressed)
 
 
@@ -189,17 +191,24 @@ def floor_bow(loop: CollectionLoop) -> float:
     return loop.footprint.floor.bow if isinstance(loop.footprint, PressedFootprint) else 0.0
 
 
+def floor_varies(loop: CollectionLoop) -> bool:
+    """Return whether the floor's shape is another one at another place."""
+    return isinstance(loop.footprint, PressedFootprint) and loop.footprint.field is not None
+
+
 def can_bow(loop: CollectionLoop) -> bool:
     """Return whether the pressure is that of an outline: flat, or one with shapes, not points or
     shares of the load.
     """
     footprint = loop.footprint
+    if isinstance(footprint, PatchFootprint):
+        return footprint.even_share == 1.0
     return footprint is None or isinstance(footprint, PressedFootprint)
 
 
 def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on a surface whose limit curve is the centred circle as large as its limit
-    ellipse.
+    ellipse, of a floor without bow and field.
 
     Parameters
     ----------
@@ -220,9 +229,8 @@ def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
     law = require_loop(loop).material.friction
     friction = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
     name = f"{loop.material.name}, made isotropic"
-    return replace(
-        loop, material=Material(name, friction, f"the mean coefficient of {loop.material.name}")
-    )
+    material = Material(name, friction, f"the mean coefficient of {loop.material.name}")
+    return replace(with_bow(loop, 0.0), material=material)
 
 
 def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
@@ -303,8 +311,14 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     material = loop.material
     if material.wear is None:
         return loop
+    plates = material.plates
+    known = known_plate(material, loop.slider)
+    # A plate's built-in shape stays where the floor wears flat.
+    if known is not None and known not in plates:
+        plates = (*plates, known)
     worn = replace(
         material,
+        plates=plates,
         friction=material.friction_after(cycles),
         floor=material.floor_after(cycles),
         wear=None,

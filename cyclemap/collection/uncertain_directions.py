@@ -10,6 +10,7 @@ sample is run.
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import TWO_PI, Array, even_angles, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import on_material
+from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
@@ -219,10 +221,16 @@ def _of_axis_ratio(stated: CollectionLoop, report: Progress) -> DirectionUncerta
     """What the ratio of the axes does to the directions, where nothing is known of it."""
     law = stated.material.friction
     loops = [stated]
-    for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
-        friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
-        material = replace(stated.material, friction=friction, wear=None)
-        loops.append(replace(stated, material=material))
+    most = math.sqrt(1.0 + VARIED)
+    for root in (1.0 / most, most):
+        # Less of it all, which moves nothing: the larger axis may be as large as friction can be.
+        mu_a, mu_b = law.mu_a * root / most, law.mu_b / (root * most)
+        m0, n0 = law.m0 / most, law.n0 / most
+        # Far off the centre one of the two, never both, leaves zero outside the ellipse.
+        with suppress(InvalidInput):
+            friction = replace(law, mu_a=mu_a, mu_b=mu_b, m0=m0, n0=n0)
+            material = replace(stated.material, friction=friction, wear=None)
+            loops.append(replace(stated, material=material))
     nominal, *varied = stable_points(loops, report)
     locks = sum(points.size > 0 for points in varied)
     intervals = _intervals(nominal, varied, span=True)

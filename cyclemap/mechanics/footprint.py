@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, point, whole_number
+from cyclemap.checks import finite_array, finite_number, point, read_only, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, area_quadrature
@@ -178,7 +178,7 @@ def _shape_of(outline: Outline) -> tuple[Array, Array, bool]:
             f"the outline is {thickness:.3g} times as thick as it is long: below {_THINNEST} its "
             "pressure cannot be summed accurately; give support points along a line instead"
         )
-    return moments, corners, has_frame
+    return read_only(moments), read_only(corners), has_frame
 
 
 def side_arms(outline: Polygon) -> Array:
@@ -250,7 +250,7 @@ class PointFootprint:
         vars(self).update(
             positions=tuple(map(tuple, points.tolist())),
             weights=tuple(weights.tolist()),
-            quadrature=(points, weights),
+            quadrature=(read_only(points), read_only(weights)),
             centre=(float(x), float(y)),
             extent=float(np.hypot(*(points - (x, y)).T).max()),
         )

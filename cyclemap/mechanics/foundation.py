@@ -6,7 +6,7 @@ from dataclasses import dataclass, field as made
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, point, positive_number
+from cyclemap.checks import finite_array, finite_number, point, positive_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
@@ -252,9 +252,9 @@ class PressedFootprint:
             centre=centre,
             extent=size,
             bend_unit=unit,
-            plate_bend=unit * self.plate.bend,
-            floor_bend=unit * self.floor.bend,
-            field_bend=unit * coefficients * (size / SHAPE_RADIUS) ** powers,
+            plate_bend=read_only(unit * self.plate.bend),
+            floor_bend=read_only(unit * self.floor.bend),
+            field_bend=read_only(unit * coefficients * (size / SHAPE_RADIUS) ** powers),
         )
 
     def is_near(self, other: "PressedFootprint") -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, positive_number
+from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import InvalidInput
 
 
@@ -77,7 +77,7 @@ class Polygon:
         x, y = ((p + q) * _cross(p, q)[:, None]).sum(axis=0) / (6.0 * area) + points[0]
         vars(self).update(
             vertices=tuple(map(tuple, points.tolist())),
-            array=points,
+            array=read_only(points),
             area=area,
             centroid=(float(x), float(y)),
             extent=float(np.hypot(*(points - (x, y)).T).max()),

@@ -34,9 +34,11 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
 def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
     """Return what is known of an object's plate: by the material, else built in.
 
-    Built-in plates are asked only where the material's floor has a shape.
+    Built-in plates are asked only where the material's floor has a shape, or wears to one.
     """
-    built_in = () if material.has_flat_floor else built_in_plates()
+    worn = None if material.wear is None else material.wear.floor
+    stays_flat = material.has_flat_floor and (worn is None or worn.is_flat)
+    built_in = () if stays_flat else built_in_plates()
     for plate in (*material.plates, *built_in):
         if plate.plate == slider.name:
             return plate
@@ -54,10 +56,10 @@ def plate_note(material: Material, slider: Slider) -> str:
     >>> plate_note(slate, Slider.mit("rect1"))
     'rect1 was never seen on slate: a flat plate is taken'
     """
-    knows_shapes = material.plates or not material.has_flat_floor
+    known = known_plate(material, slider)
+    knows_shapes = material.plates or known is not None or not material.has_flat_floor
     if material.pressure_of(slider.name) is not None or not knows_shapes:
         return ""
-    known = known_plate(material, slider)
     taken = "a flat plate is taken"
     if known is not None:
         taken = "its built-in shape, found on other floors, is taken"

@@ -3,6 +3,7 @@ its ring.
 """
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -12,6 +13,7 @@ import numpy as np
 from cyclemap.checks import finite_number, non_negative_number, positive_number
 from cyclemap.errors import (
     ConvergenceError,
+    DoubtfulInput,
     InvalidInput,
     RodInsideObject,
     RodMissesObject,
@@ -28,7 +30,7 @@ from cyclemap.mechanics.contact_curve import (
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.schema import KINDS, LAW, PARAMETERS, PIECE, Status
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
-from cyclemap.mechanics.footprint import Footprint, PatchFootprint
+from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.slider import DragBack, Pose, Pusher, SidePush, Slider, WorldPush
@@ -39,6 +41,10 @@ from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 STEP_SHARE = 0.05
 # Footprints smaller than this share of the outline's extent carry no object.
 _LEAST_FOOTPRINT = 1e-3
+# A footprint that reaches beyond this many extents of the outline is doubtful.
+_FARTHEST = 1.02
+# Places on a footprint's outline at which that is asked.
+_PLACES = 90
 # The reset's target, in every loop's frame.
 _TARGET = (0.0, 0.0)
 
@@ -57,8 +63,9 @@ class QuasiStaticModel:
     pusher : Pusher, optional
         The rod.
     footprint : Footprint or None, optional
-        How the weight is spread; None: evenly over the outline, leaning where the centre of
-        mass is not the centroid.
+        How the weight is spread, its centre of pressure included, whatever the object's centre
+        of mass; None: evenly over the outline, leaning where the centre of mass is not the
+        centroid.
     accuracy : float, default 1e-8
         Error (rad; extents of the footprint) aimed at for a whole push or drag, between 1e-11
         and 1e-2. It is aimed at, not proven: of 30,000 cycles of MIT's loop (five materials,
@@ -84,6 +91,11 @@ class QuasiStaticModel:
     ------
     InvalidInput
         For an accuracy out of reach, and support points that the object would tip from.
+
+    Warns
+    -----
+    DoubtfulInput
+        Where the footprint reaches out of the object.
 
     Examples
     --------
@@ -121,6 +133,13 @@ class QuasiStaticModel:
                 f"object of {whole * 1e3:.3g} mm: it would tip rather than slide; give points that "
                 "span it"
             )
+        reach = _reach(pressure, self.slider)
+        if reach > _FARTHEST * whole:
+            doubt = (
+                f"the footprint reaches {1e3 * reach:.4g} mm from the object's centroid, the object "
+                f"{1e3 * whole:.4g} mm: is it in metres, and of this object?"
+            )
+            warnings.warn(doubt, DoubtfulInput, stacklevel=4)
         vars(self).update(
             pressure=pressure,
             weight=self.slider.weight,
@@ -435,5 +454,15 @@ _patch = lru_cache(maxsize=256)(PatchFootprint)
 
 
 @lru_cache(maxsize=256)
+def _reach(pressure: Footprint, slider: Slider) -> float:
+    """How far a footprint reaches from the object's centroid, m."""
+    if isinstance(pressure, PointFootprint):
+        return float(np.hypot(*(pressure.positions - np.array(slider.outline.centroid)).T).max())
+    if pressure.outline is slider.outline:
+        return slider.outline.extent
+    places = pressure.outline.points(_PLACES) - np.array(slider.outline.centroid)
+    return float(np.hypot(*places.T).max())
+
+
 def _scaled(outline: Outline, factor: float) -> Outline:
     return outline.scaled(factor)

@@ -128,7 +128,7 @@ def bow_sentence(fingerprint: Fingerprint, bow: float) -> str:
     return (
         f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by "
         f"up to {angle(bow * fingerprint.cycle.bow_amplitude, 1)}. No direction is predicted from "
-        "that; portrait computes the map."
+        "that, nor from a floor that varies from place to place; portrait computes the map."
     )
 
 
