@@ -11,9 +11,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array
-from cyclemap.maps.estimate import EPS, Estimate
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import ANGLE, EPS, SAME_ANGLE, Estimate
 from cyclemap.maps.families.family import (
     Family,
     ParameterTangent,
@@ -154,10 +155,14 @@ class Response:
         fixed.
 
         Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of
-        ``mean_passage_time``.
+        ``mean_passage_time``; and where a jump b inside the arc moves at the rate b', g(b - F(x))
+        times b' and what T falls by across it. Raises InvalidInput where a jump that moves is at
+        an end of the arc or at ``start``, since there is no derivative.
         """
-        passage = Passage.out_of(self.operator.map, self.basis.noise, arc, lifted)
+        noise = self.basis.noise
+        passage = Passage.out_of(self.operator.map, noise, arc, lifted)
         inside = passage.begun(start)
+        places, moving = self._moving_jumps(passage, inside)
         rates = []
         for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):
             chain = killed_chain(passage, stretch=stretch)
@@ -165,7 +170,12 @@ class Response:
             theta = np.append(chain.theta, inside)
             images = self.operator.map(theta)
             growth = time.growth(images, chain)
-            source = push(theta) * growth
+            before, after = (
+                time.values_at(limits(places))[1]
+                for limits in (passage.map.left, passage.map.right)
+            )
+            crossing = noise.density(places - images[:, None], passage.lifted)
+            source = push(theta) * growth + crossing @ (push.break_rates[moving] * (before - after))
             # Elimination keeps all digits of what is not negative.
             positive = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
             later, _, _ = chain.elimination.expected(positive[:-1])
@@ -176,6 +186,26 @@ class Response:
         bound += 4.0 * abs(near - again) + most * self._unknown
         bound += 1e3 * EPS * (1.0 / self.near.step + abs(near))
         return Estimate(rate, bound)
+
+    def _moving_jumps(self, passage: Passage, start: float) -> tuple[Array, Mask]:
+        """Jumps inside the arc that move with the parameter, and which of the breaks they are."""
+        breaks = passage.map.breaks
+        jumps, _, _ = passage.map.jumps()
+        ((low, high),) = passage.arcs
+        places = low + np.mod(breaks - low, TWO_PI)
+        speeds = np.abs(self.near.break_rates) + np.abs(self.far.break_rates)
+        moving = np.isin(breaks, jumps) & (speeds > 0.0)
+        # Slower ones are rounding.
+        swift = moving & (speeds * self.near.step > ANGLE)
+        for special in (low, high, start):
+            beside = swift & (np.abs(shorter_way(breaks - special)) <= SAME_ANGLE)
+            if np.any(beside):
+                raise InvalidInput(
+                    f"a jump that moves with the parameter is at {special:g}, an end of the arc or "
+                    "the start, so that there is no derivative: take others"
+                )
+        moving &= places < high
+        return places[moving], moving
 
     @property
     def _unknown(self) -> float:
@@ -207,10 +237,10 @@ class Response:
             later = (basis.kappa * dual.T).T
             sides = [basis.dual(image, later) for image in (left, right)]
             across = (sides[0] - sides[1]).T + direct * (left - right)
-            rates = self.near.break_rates[np.isin(basis.map.breaks, jumps)]
-            moved = across @ (rates * law.density(jumps))
-            near = near + moved
-            far = far + moved
+            fallen = across * law.density(jumps)
+            which = np.isin(basis.map.breaks, jumps)
+            near = near + fallen @ self.near.break_rates[which]
+            far = far + fallen @ self.far.break_rates[which]
         rate, bound = _extrapolated(near, far)
         return rate, bound + self._unknown * np.sum(np.abs(slopes), axis=-1)
 

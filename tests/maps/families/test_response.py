@@ -30,6 +30,18 @@ def wandering_jump(place):
     )
 
 
+def sawtooth(height, place):
+    """p → slopes around a jump up by -``height`` at ``place(p)``."""
+
+    def family(p):
+        def lift(x):
+            return x + 0.1 + height * (np.mod(x - place(p), TWO_PI) / TWO_PI - 0.5)
+
+        return CircleMap(lift, breaks=[place(p)])
+
+    return family
+
+
 def differences(number, p, step):
     """dn/dp by central differences of fourth order, and twice what a step twice as wide changes."""
     near, far = (
@@ -85,6 +97,41 @@ def test_passage_times_move_as_their_differences(sigma, arc, lifted):
     )
     assert abs(found - fair) <= found.error_bound + doubt
     assert found.error_bound < 1e-8 * abs(found) and doubt < 1e-5 * abs(found)
+
+
+@pytest.mark.parametrize("height", [1.0, -1.0])
+@pytest.mark.parametrize(("arc", "lifted"), [((0.0, 2.0), False), ((-0.5, 3.0), True)])
+@pytest.mark.parametrize("place", [lambda p: p, lambda p: 2.0 - p, lambda p: p**3])
+def test_passage_times_move_as_their_differences_where_a_jump_moves(height, arc, lifted, place):
+    family, noise = sawtooth(height, place), WrappedNormal(0.5)
+    for start in (0.7, 1.4):
+        answer = response(family, 1.0, noise, (0.0, 2.0))
+        found = answer.mean_passage_time(start, arc, lifted=lifted)
+        fair, doubt = differences(
+            lambda p, s=start: float(mean_passage_time(family(p), noise, s, arc, lifted=lifted)),
+            1.0,
+            2e-4,
+        )
+        assert abs(found - fair) <= found.error_bound + doubt
+        assert max(found.error_bound, doubt) < 1e-4 * abs(found)
+
+
+def test_windings_move_as_their_differences_where_a_jump_moves_unevenly():
+    family, noise = sawtooth(1.0, lambda p: p**3), WrappedNormal(0.5)
+    found = response(family, 1.0, noise, (0.0, 2.0)).rotation_number
+    fair, doubt = differences(
+        lambda p: float(transfer_operator(family(p), noise).rotation_number), 1.0, 2e-4
+    )
+    assert abs(found - fair) <= found.error_bound + doubt
+    assert found.error_bound < 1e-10 and doubt < 1e-10
+
+
+def test_a_jump_that_moves_is_refused_at_the_start_and_at_an_end_of_the_arc():
+    answer = response(sawtooth(1.0, lambda p: p), 1.0, WrappedNormal(0.5), (0.0, 2.0))
+    for start, arc in ((1.0, (0.0, 2.0)), (0.5, (0.0, 1.0)), (1.5, (1.0, 2.0))):
+        refused(answer.mean_passage_time, start, arc, told="a jump that moves .* is at 1")
+    still = response(sawtooth(1.0, lambda p: 1.0), 1.0, WrappedNormal(0.5), (0.0, 2.0))
+    assert still.mean_passage_time(1.0, (0.0, 2.0)).holds(0.0)
 
 
 def test_windings_of_random_families_move_as_their_differences_and_where_a_jump_wanders():
