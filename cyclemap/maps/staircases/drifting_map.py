@@ -14,13 +14,14 @@ from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import (
     finite_array,
     finite_number,
+    non_negative_number,
     positive_number,
     read_only,
     require_room,
     whole_number,
 )
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
@@ -85,7 +86,8 @@ class DriftingMap:
     Raises
     ------
     InvalidInput
-        For cycles that do not increase, another number of maps, or a degree other than 1.
+        For cycles that do not increase, another number of maps, a degree other than 1, or an error
+        below 0.
 
     Notes
     -----
@@ -112,24 +114,31 @@ class DriftingMap:
             raise InvalidInput(
                 f"cycles is {knots.tolist()}: give one cycle or more, each above the one before"
             )
-        if len(self.maps) != knots.size:
-            raise InvalidInput(
-                f"{len(self.maps)} maps for {knots.size} cycles: give one map a cycle"
-            )
-        for given in self.maps:
+        try:
+            maps = tuple(self.maps)
+        except TypeError as cause:
+            raise InvalidInput(f"maps is {self.maps!r}: give a tuple of CircleMaps") from cause
+        if len(maps) != knots.size:
+            raise InvalidInput(f"{len(maps)} maps for {knots.size} cycles: give one map a cycle")
+        for given in maps:
             if not isinstance(given, CircleMap) or given.degree != 1:
                 raise InvalidInput(
                     f"one of the maps is {given!r}: a path drifts under CircleMaps of degree 1"
                 )
         object.__setattr__(self, "cycles", read_only(knots))
+        object.__setattr__(self, "maps", maps)
+        object.__setattr__(self, "max_error", non_negative_number("max_error", self.max_error))
 
     @classmethod
     def between(cls, knots: Sequence[tuple[float, CircleMap]]) -> DriftingMap:
         """The linear blend of maps given as (cycle, map) pairs, in order of the cycles."""
-        if not len(knots) or any(len(pair) != 2 for pair in knots):
-            raise InvalidInput("knots must be a list of pairs (cycle, map), at least one")
-        cycles, maps = zip(*knots, strict=True)
-        return cls(np.array(cycles, dtype=float), maps)
+        try:
+            cycles, maps = zip(*((cycle, given) for cycle, given in knots), strict=True)
+        except (TypeError, ValueError) as cause:
+            raise InvalidInput(
+                f"knots is {knots!r}: give a list of pairs (cycle, map), at least one"
+            ) from cause
+        return cls(finite_array("cycles", cycles, ndim=1), maps)
 
     @classmethod
     def of_family(
@@ -193,13 +202,16 @@ class DriftingMap:
         return _fitted(lambda n: family(parameter_at(n)), count - 1, accepted)
 
     def at(self, cycle: float) -> CircleMap:
-        """The map frozen at ``cycle`` (any real number)."""
+        """The map frozen at ``cycle`` (any real number); between the maps that are given,
+        ``max_error`` is added to theirs.
+        """
         now = float(np.clip(finite_number("cycle", cycle), self.cycles[0], self.cycles[-1]))
         after = int(np.searchsorted(self.cycles, now))
         if self.cycles[after] == now:
             return self.maps[after]
         a, b = self.cycles[after - 1 : after + 1].tolist()
-        return _blended(self.maps[after - 1], self.maps[after], (now - a) / (b - a))
+        share = (now - a) / (b - a)
+        return _blended(self.maps[after - 1], self.maps[after], share, self.max_error)
 
     def images(self, theta: Array, cycle: Array) -> Array:
         """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of
@@ -254,10 +266,10 @@ def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> Drif
     return DriftingMap(np.array(order, dtype=float), tuple(knots[n] for n in order), worst)
 
 
-def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
+def _blended(before: CircleMap, after: CircleMap, share: float, off: float) -> CircleMap:
     rest = 1.0 - share
     breaks = np.union1d(before.breaks, after.breaks)
-    error = rest * before.max_error + share * after.max_error
+    error = rest * before.max_error + share * after.max_error + off
     if before.pieces is not None and after.pieces is not None:
         cubics = before.pieces.blended(after.pieces, share)
         return CircleMap.from_pieces(cubics, breaks, before.samples + after.samples, error)
@@ -269,10 +281,14 @@ def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
         lambda theta: rest * first(theta) + share * last(theta),
         breaks=breaks,
         max_error=error,
-    ).remade_by(_blended, before, after, share)
+    ).remade_by(_blended, before, after, share, off)
 
 
 _TOLERANCE = 1e-2  # turns
+_SUMMED = (
+    200  # cycles up to which the windings are added up one by one: no dearer than to integrate
+)
+_NODES = 21  # of the quadrature, a panel
 _KINKS = 12  # knots of a blend, at which its winding bends, up to which each is an end of a panel
 
 
@@ -343,11 +359,13 @@ def predict_drift(
     Notes
     -----
     At each of these cycles, ``predict_staircase`` of the frozen map; and the expected climb Σ_n
-    ρ_n, ρ_n the frozen map's rotation number, by adaptive quadrature over the run to a hundredth of
-    a turn; the bound is its estimate of its error, and what the sum may differ from the integral
-    by, from how much the slope of ρ_n changes over the run (measured). The law lags behind a
-    drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may
-    matter, and the start's own approach adds up to a turn.
+    ρ_n, ρ_n the frozen map's rotation number. Up to 200 cycles, and where the wear goes to and fro
+    so fast that quadrature would be dearer, it is added up, and so are the bounds of ρ_n. Else it
+    is integrated by adaptive quadrature over the run to a hundredth of a turn; the bound is its
+    estimate of its error, and what the sum may differ from the integral by, from how much the slope
+    of ρ_n changes over the run (measured). The law lags behind a drifting map (Gardiner, Stochastic
+    Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter, and the start's own
+    approach adds up to a turn.
 
     References
     ----------
@@ -380,8 +398,12 @@ def predict_drift(
 def _expected_turns(drifting: DriftingMap, noise: Noise, chosen: Array) -> Estimate:
     """The sum of the winding over the cycles 0 to the last of those chosen.
 
-    As the integral from -½ to half a cycle beyond (midpoint rule read backwards).
+    Cycle by cycle where they are few, or else as the integral from -½ to half a cycle beyond
+    (midpoint rule read backwards).
     """
+    count = round(chosen[-1]) + 1
+    if count <= _SUMMED:
+        return _added_turns(drifting, noise, count)
     from scipy.integrate import quad_vec  # slow to import
 
     def winding(n: float) -> float:
@@ -393,11 +415,28 @@ def _expected_turns(drifting: DriftingMap, noise: Noise, chosen: Array) -> Estim
     ends = -0.5, chosen[-1] + 0.5
     inner = drifting.cycles[(drifting.cycles > ends[0]) & (drifting.cycles < ends[1])]
     kinks = inner if inner.size < _KINKS else ()
-    turns, off = quad_vec(winding, *ends, epsabs=_TOLERANCE, epsrel=0.0, points=kinks)
+    panels = count // _NODES
+    turns, off = quad_vec(winding, *ends, epsabs=_TOLERANCE, epsrel=0.0, points=kinks, limit=panels)
+    if not off <= _TOLERANCE:
+        return _added_turns(drifting, noise, count)
     # The midpoint rule is off by an eighth of how much the slope changes, or less.
     places = np.union1d(chosen, inner)
     slopes = np.diff([winding(n) for n in places.tolist()]) / np.diff(places)
     off += float(np.max(np.abs(slopes)) + np.sum(np.abs(np.diff(slopes)))) / 8.0
+    return Estimate(turns, off)
+
+
+def _added_turns(drifting: DriftingMap, noise: Noise, count: int) -> Estimate:
+    """The windings of the frozen maps of so many cycles, added up with their bounds."""
+    turns = 0.0
+    off = 0.0
+    known: dict[CircleMap, Estimate] = {}
+    for n in range(count):
+        frozen = drifting.at(n)
+        if frozen not in known:
+            known = {frozen: transfer_operator(frozen, noise).rotation_number}
+        turns += known[frozen]
+        off += known[frozen].error_bound + EPS * abs(turns)
     return Estimate(turns, off)
 
 

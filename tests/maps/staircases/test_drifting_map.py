@@ -14,6 +14,8 @@ from cyclemap.maps import (
     sample_staircases,
     transfer_operator,
 )
+from cyclemap.maps.staircases import drifting_map
+from tests.refusals import refused
 
 TWO_PI = 2 * np.pi
 FRESH, WORN = CircleMap.arnold(0.15, 0.9), CircleMap.arnold(0.2, 0.9)
@@ -147,6 +149,38 @@ def test_the_bound_of_the_climb_holds_where_a_schedule_goes_to_and_fro():
     climb = predict_drift(worn, WrappedNormal(0.3), 41).turns
     truth = sum(float(worn.at(n).turn(0.0)) for n in range(41)) / TWO_PI
     assert abs(climb - truth) <= climb.error_bound
+
+
+@pytest.mark.parametrize("summed", [200, 0])
+def test_the_climb_of_wear_that_goes_to_and_fro_each_cycle_is_a_sum(monkeypatch, summed):
+    """Integrated it took minutes, to a bound of half its size; 0: integrals that go wrong."""
+    monkeypatch.setattr(drifting_map, "_SUMMED", summed)
+    maps = [CircleMap.rigid(0.1 + 0.4 * (n % 2)) for n in range(44)]
+    climb = predict_drift(DriftingMap.between(list(enumerate(maps))), WrappedNormal(0.4), 44).turns
+    assert abs(climb - 0.3 * 44) <= climb.error_bound < 1e-9
+
+
+def test_the_climb_of_few_cycles_is_the_sum_of_their_windings_and_of_the_bounds_of_these():
+    noise, worn = WrappedNormal(0.4), DriftingMap.between([(4, FRESH), (8, WORN)])
+    turns = [transfer_operator(worn.at(n), noise).rotation_number for n in range(12)]
+    climb = predict_drift(worn, noise, 12, points=2).turns
+    assert climb.holds(sum(turns))
+    assert climb.error_bound < 1.001 * sum(turn.error_bound for turn in turns) + 1e-13
+
+
+def test_what_a_blend_is_off_counts_between_its_maps():
+    worn = DriftingMap([0, 10], [FRESH, WORN], max_error=0.3)
+    assert [worn.at(n).max_error for n in (0, 5, 10)] == [0.0, 0.3, 0.0]
+    assert worn.maps == (FRESH, WORN)
+
+
+def test_what_is_no_blend_is_refused():
+    for bad in (-1, np.nan, "x"):
+        refused(DriftingMap, [0, 10], (FRESH, WORN), bad, told="max_error must")
+    refused(DriftingMap, [0], 3, told="maps is 3")
+    for knots in (None, [3], []):
+        refused(DriftingMap.between, knots, told="give a list of pairs")
+    refused(DriftingMap.between, [("a", FRESH)], told="cycles must hold numbers")
 
 
 def test_sampled_turns_under_slow_wear_agree_with_the_adiabatic_ones():
