@@ -2,11 +2,14 @@
 
 import math
 from numbers import Integral
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.errors import InvalidInput
+
+Values = TypeVar("Values", bound=NDArray[Any])
 
 # Numbers that any one step may hold at once: 2 GB is the most that a command may take, and a step
 # has copies of it.
@@ -107,6 +110,12 @@ def finite_array(
     if not np.all(np.isfinite(array)):
         entry = int(np.flatnonzero(~np.isfinite(array))[0])
         raise InvalidInput(f"{name} must be finite, but entry {entry} is {array.ravel()[entry]}")
+    return array
+
+
+def unwritable(array: Values) -> Values:
+    """Return the same array, of numbers of any kind, which refuses writing from now on."""
+    array.setflags(write=False)
     return array
 
 

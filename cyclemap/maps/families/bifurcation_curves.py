@@ -16,7 +16,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.arclength import SMALLEST, ArclengthWalk, walked_both_ways
 from cyclemap.maps.families.bifurcations import bifurcations
-from cyclemap.maps.families.continuation import Bifurcation
+from cyclemap.maps.families.continuation import Bifurcation, followed_period
 from cyclemap.maps.families.family import Family, Range, each_done, family_member, parameter_range
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, curve_direction
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -358,7 +358,7 @@ def bifurcation_curves(
     first, second : tuple[float, float]
         (low, high) of the two parameters.
     period : int, default 1
-        Of the orbits, cycles.
+        Of the orbits, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbits in a period.
     lines : int, optional
@@ -387,7 +387,11 @@ def bifurcation_curves(
     >>> edge.kind, bool(np.allclose(edge.first, edge.second / (2.0 * np.pi)))  # the tongue 0/1
     ('saddle-node', True)
     """
+    if not callable(family):
+        raise InvalidInput(f"family is {family!r}: give a callable of two parameters")
     ranges = parameter_range("first", first), parameter_range("second", second)
+    n = followed_period(period)
+    turns = whole_number("winding", winding)
     count = whole_number("lines", lines, least=1)
     require_room("the lines", count, "give fewer")
     curves: list[BifurcationCurve] = []
@@ -397,7 +401,7 @@ def bifurcation_curves(
         for axis in (1, 0)
         for share in shares.tolist()
     ]
-    work = partial(_on_line, family, ranges, period, winding)
+    work = partial(_on_line, family, ranges, n, turns)
     for starts in each_done(work, heights, executor, progress):
         for start, at in starts:
             if not any(_on(curve, start, at, ranges) for curve in curves):

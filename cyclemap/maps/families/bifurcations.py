@@ -50,7 +50,7 @@ def bifurcations(
     parameters : tuple[float, float]
         (low, high), the range that is searched.
     period : int, default 1
-        Of the orbits, cycles.
+        Of the orbits, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbits in a period.
     resolution : int, optional
@@ -110,7 +110,7 @@ def saddle_nodes(
     parameters : tuple[float, float]
         (low, high), the range that is searched.
     period : int, default 1
-        Of the orbits, cycles.
+        Of the orbits, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbits in a period.
     resolution : int, optional
@@ -188,7 +188,7 @@ def period_doublings(
     parameters : tuple[float, float]
         (low, high), the range that is searched.
     period : int, default 1
-        Of the orbits, cycles.
+        Of the orbits, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbits in a period.
     resolution : int, optional
@@ -229,7 +229,7 @@ def border_collisions(
     parameters : tuple[float, float]
         (low, high), the range that is searched.
     period : int, default 1
-        Of the orbits, cycles.
+        Of the orbits, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbits in a period.
     resolution : int, optional

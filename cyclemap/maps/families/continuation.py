@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
-from cyclemap.checks import finite_number, read_only, require_room, whole_number
+from cyclemap.checks import finite_number, read_only, require_room, unwritable, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.arclength import FIRST, ArclengthWalk, walked_both_ways
@@ -32,6 +32,7 @@ from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
 RESOLUTION = 24
 _ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
 _ASIDE = 1e-3  # scaled arclength
+MAX_PERIOD = 5_000  # cycles: orbits that are solved for all their points at once
 _SAME_ORBIT = 1e-7  # radians
 # a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
 _TRANSVERSE = 1e-6
@@ -237,7 +238,7 @@ def follow_orbit(
     at : float or None, optional
         The parameter of ``start``; None: low.
     period : int, default 1
-        Of the orbit, cycles.
+        Of the orbit, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbit in a period.
 
@@ -280,7 +281,7 @@ def follow_orbit(
         points = np.array(start.points)
         turns = start.winding
     else:
-        n = whole_number("period", period, least=1)
+        n = followed_period(period)
         turns = whole_number("winding", winding)
         points = orbit_angles(family_member(family, p), finite_number("start", start), n)
     equations = orbit_equations(family, points, p, turns, within)
@@ -298,13 +299,20 @@ def follow_orbit(
         read_only([state.parameters[0] for state in states]),
         read_only([state.theta for state in states]),
         multiplier,
-        np.abs(multiplier) < 1.0,
+        unwritable(np.abs(multiplier) < 1.0),
         special,
         points.size,
         turns,
         ends,
         max(float(np.max(np.abs(state.residual))) for state in states),
     )
+
+
+def followed_period(period: object) -> int:
+    """A period of orbits that are to be followed as an int, or InvalidInput."""
+    n = whole_number("period", period, least=1)
+    require_room("the period", n, "give a smaller one", MAX_PERIOD)
+    return n
 
 
 def _first_orbit(equations: OrbitEquations, at: Array) -> OrbitState | None:
@@ -337,7 +345,7 @@ def orbit_branches(
     parameters : tuple[float, float]
         (low, high), the range that they are followed in.
     period : int, default 1
-        Of the orbits, cycles.
+        Of the orbits, cycles: at most 5,000.
     winding : int, default 0
         Whole turns of the orbits in a period.
     resolution : int, optional
@@ -370,7 +378,7 @@ def orbit_branches(
     [('end of the range', 'end of the range')]
     """
     within = parameter_range("parameters", parameters)
-    n = whole_number("period", period, least=1)
+    n = followed_period(period)
     w = whole_number("winding", winding)
     branches: list[OrbitBranch] = []
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from inspect import signature
 from typing import TypeVar
 
 import numpy as np
@@ -148,6 +149,21 @@ def parametric_form(family: Family) -> ParametricLift | None:
     return next((known for known in _KNOWN if known.circle_map == family), None)
 
 
+def require_parameters(formula: ParametricLift, count: int) -> None:
+    """Raise InvalidInput where the formula does not take so many parameters."""
+    try:
+        called = signature(formula.lift)
+    except ValueError:  # of a compiled function
+        return
+    try:
+        called.bind(_ANGLES, *range(count))
+    except TypeError as cause:
+        raise InvalidInput(
+            f"{count} parameters are given, but the lift is called as {called}: give one for each "
+            "after the angle"
+        ) from cause
+
+
 def broadcast_parameters(
     parameters: Sequence[ArrayLike],
 ) -> tuple[list[Array], tuple[int, ...], Array]:
@@ -157,7 +173,13 @@ def broadcast_parameters(
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
-    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    except ValueError as cause:
+        shapes = " and ".join(str(array.shape) for array in arrays)
+        raise InvalidInput(
+            f"the parameters have shapes {shapes}: give arrays that broadcast, or of one shape"
+        ) from cause
     return arrays, shape, np.array([np.broadcast_to(array, shape).ravel() for array in arrays])
 
 
@@ -290,8 +312,8 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
         step = min(step, 0.5 * max(below, above))
     member = family_member(family, p)
     members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
-    motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
-    rates = np.tensordot(weights, motions, 1) / step
+    motions = tuple(read_only(break_motion(member.breaks, other.breaks)) for other in members)
+    rates = read_only(np.tensordot(weights, motions, 1) / step)
     return ParameterTangent(member, members, weights, step, motions, rates)
 
 

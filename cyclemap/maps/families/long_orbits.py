@@ -28,6 +28,7 @@ from cyclemap.maps.families.family import (
     each_done,
     family_member,
     parametric_form,
+    require_parameters,
 )
 from cyclemap.maps.orbits.orbit_means import DEVIATIONS, orbit_angles
 from cyclemap.progress import Progress
@@ -201,6 +202,8 @@ def lyapunov_exponents(
     theta = finite_number("start", start)
     formula = parametric_form(family)
     lengths = np.diff(np.linspace(0, count, _PARTS + 1).astype(int))
+    if formula is not None:
+        require_parameters(formula, len(parameters))
     if formula is not None and formula.derivative is not None:
         sums = _sums_together(formula.lift, formula.derivative, flat, theta, skipped, lengths)
     else:

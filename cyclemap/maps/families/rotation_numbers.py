@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
-from cyclemap.checks import finite_array, positive_number, read_only, whole_number
+from cyclemap.checks import finite_array, positive_number, read_only, unwritable, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.families.family import (
@@ -23,6 +23,7 @@ from cyclemap.maps.families.family import (
     each_done,
     family_member,
     parametric_form,
+    require_parameters,
 )
 from cyclemap.maps.orbits.envelopes import is_nondecreasing
 from cyclemap.maps.orbits.rotation_number import rotation_number
@@ -137,6 +138,7 @@ def rotation_numbers(
     wanted = _wanted(tolerance)
     workers = _WORKERS if threads is None else whole_number("threads", threads, least=1)
     _, shape, flat = broadcast_parameters(parameters)
+    require_parameters(formula, len(parameters))
     bounds = _bounds(formula, flat, wanted, workers)
     return RotationNumbers(*_in_shape(_judged(bounds, wanted), shape), wanted)
 
@@ -166,8 +168,7 @@ def _judged(bounds: Array, tolerance: float) -> Array:
 def _in_shape(table: Array, shape: tuple[int, ...]) -> tuple[Array, Array, Array, Whole, Whole]:
     """The five rows in this shape, for reading only."""
     value, lower, upper = read_only(table[:3].reshape(3, *shape))
-    whole = table[3:].astype(np.int64).reshape(2, *shape)
-    whole.setflags(write=False)
+    whole = unwritable(table[3:].astype(np.int64).reshape(2, *shape))
     return value, lower, upper, whole[0], whole[1]
 
 
@@ -420,6 +421,7 @@ def rotation_plane(
     singly = np.ones(places.shape[1], dtype=bool)
     formula = parametric_form(family)
     if formula is not None:
+        require_parameters(formula, 2)
         singly = ~formula.rises(*places)
         bounds = _bounds(formula, places[:, ~singly], wanted, _WORKERS)
         table[:5, ~singly] = _judged(bounds, wanted)
@@ -428,9 +430,8 @@ def rotation_plane(
     table[:, singly] = np.reshape(cells, (-1, 6)).T
     shape = (first.size, second.size)
     folded = table[5].reshape(shape) > 0.0
-    folded.setflags(write=False)
     numbers = _in_shape(table[:5], shape)
-    return RotationPlane(read_only(first), read_only(second), *numbers, folded, wanted)
+    return RotationPlane(read_only(first), read_only(second), *numbers, unwritable(folded), wanted)
 
 
 def _cell(family: Family, tolerance: float, place: list[float]) -> tuple[float, ...]:

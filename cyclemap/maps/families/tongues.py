@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, even_angles
-from cyclemap.checks import finite_array, read_only, whole_number
+from cyclemap.checks import finite_array, read_only, unwritable, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
 from cyclemap.maps.families.family import (
@@ -478,9 +478,13 @@ def tongues(
     """
     if not callable(family):
         raise InvalidInput(f"family is {family!r}: give a callable of two parameters")
-    if isinstance(ratios, str) or not isinstance(ratios, Iterable):
-        raise InvalidInput(f"ratios is {ratios!r}: give a sequence of them, such as [0, (1, 2)]")
-    wanted = tuple(rotation_ratio(ratio) for ratio in ratios)
+    try:
+        given = tuple(ratios)
+    except TypeError as cause:
+        raise InvalidInput(
+            f"ratios is {ratios!r}: give a sequence of them, such as [0, (1, 2)]"
+        ) from cause
+    wanted = tuple(rotation_ratio(ratio) for ratio in given)
     values = finite_array("second", second, ndim=1)
     within = parameter_range("parameters", parameters)
     if not wanted or values.size == 0:
@@ -496,7 +500,7 @@ def tongues(
     table = read_only(np.transpose(rows).reshape(5, len(wanted), values.size))
     left, right, left_error, right_error, folded = table
     return TongueBoundaries(
-        wanted, read_only(values), left, right, left_error, right_error, folded > 0.0
+        wanted, read_only(values), left, right, left_error, right_error, unwritable(folded > 0.0)
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cyclemap.arrays import Array, Mask, Whole
+from cyclemap.checks import unwritable
 from cyclemap.maps.estimate import MATRIX, Estimate
 from cyclemap.maps.operator.fourier_basis import Complex
 from cyclemap.maps.operator.poisson_equation import Discretisation
@@ -93,7 +94,11 @@ def leading_spectrum(
     bounds[~trusted] = np.inf
     bounds[0] = 0.0
     return Spectrum(
-        values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count]
+        unwritable(values[:count]),
+        unwritable(bounds[:count]),
+        unwritable(condition[:count]),
+        unwritable(right[:, :count]),
+        unwritable(left[:, :count]),
     )
 
 

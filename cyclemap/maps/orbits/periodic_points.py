@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
-from cyclemap.checks import read_only, whole_number
+from cyclemap.checks import read_only, require_room, unwritable, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.estimate import EPS, Estimate
@@ -32,6 +32,7 @@ NEUTRAL = 1e-7
 _TRUSTED = 1e-3  # a multiplier that is less sure than that says nothing of neutrality
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
 _WIDENINGS = 60
+MAX_PERIOD = 100_000  # cycles: a minute and more, whatever the map
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,7 @@ def periodic_points(
     circle_map : CircleMap
         The map F.
     period : int
-        n, cycles.
+        n, cycles: at most 100,000.
     winding : int or None, optional
         w; None: all.
     proved : bool, default False
@@ -128,7 +129,7 @@ def periodic_points(
     Raises
     ------
     InvalidInput
-        When a whole arc is periodic; with ``proved`` for lifts that do not take intervals.
+        When a whole arc is periodic, or the period too large; with ``proved`` for lifts that do not take intervals.
     ConvergenceError
         When Fⁿ needs more than 2,000,000 cells; with ``proved`` for what cannot be decided.
 
@@ -153,6 +154,7 @@ def periodic_points(
     """
     require_map(circle_map)
     n = whole_number("period", period, least=1)
+    require_room("the period", n, "give a smaller one", MAX_PERIOD)
     wanted = None if winding is None else whole_number("winding", winding)
     if slope_error and not proved:
         raise InvalidInput(
@@ -169,7 +171,7 @@ def periodic_points(
     }
     arrays["image"] = index[arrays["image"]]
     for array in arrays.values():
-        array.setflags(write=False)
+        unwritable(array)
     return replace(points, **arrays)
 
 
@@ -445,7 +447,7 @@ def periodic_orbits(
     circle_map : CircleMap
         The map F.
     period : int
-        n, cycles.
+        n, cycles, as of ``periodic_points``.
     winding : int or None, optional
         Keep only orbits with this w at their smallest point (for degree 1: rotation number
         w/n); None keeps all.

@@ -165,7 +165,13 @@ def find_steps(theta: ArrayLike, *, zones: Sequence[SlowZone] | None = None) -> 
     path = finite_array("theta", theta, ndim=1)
     if path.size < 2:
         raise InvalidInput(f"theta has {path.size} angles: give 2 cycles at least")
-    return _best_window(path) if zones is None else _in_zones(path, tuple(zones))
+    if zones is None:
+        return _best_window(path)
+    try:
+        wanted = tuple(zones)
+    except TypeError as cause:
+        raise InvalidInput(f"zones is {zones!r}: give a sequence of SlowZones or None") from cause
+    return _in_zones(path, wanted)
 
 
 def _best_window(path: Array) -> Steps:
