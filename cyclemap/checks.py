@@ -29,7 +29,9 @@ def require_room(what: str, numbers: float, mend: str, most: float = MOST_NUMBER
     cyclemap.errors.InvalidInput: the map's nodes: 6e+08, of at most 3.36e+07; give more data
     """
     if not numbers <= most:
-        raise InvalidInput(f"{what}: {numbers:.3g}, of at most {most:.3g}; {mend}")
+        # Whole numbers may be beyond all floats.
+        given = f"{numbers:.3g}" if numbers < 1e300 else "above 1e300"
+        raise InvalidInput(f"{what}: {given}, of at most {most:.3g}; {mend}")
 
 
 def finite_number(name: str, value: object) -> float:

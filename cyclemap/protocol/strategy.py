@@ -378,3 +378,10 @@ def legs(length: float, count: int) -> tuple[CycleAction, ...]:
     return tuple(
         CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles
     )
+
+
+def require_strategy(strategy: object) -> ResetStrategy:
+    """Return what is a ResetStrategy, or raise InvalidInput."""
+    if not isinstance(strategy, ResetStrategy):
+        raise InvalidInput(f"the strategy is {strategy!r}: give a ResetStrategy")
+    return strategy

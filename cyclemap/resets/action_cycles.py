@@ -9,15 +9,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, even_angles, placed
-from cyclemap.checks import whole_number
-from cyclemap.collection.loop import CollectionLoop, run_cycles
+from cyclemap.checks import finite_array, require_room, whole_number
+from cyclemap.collection.loop import CollectionLoop, require_loop, run_cycles
 from cyclemap.collection.loop_surfaces import on_material
+from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
+from cyclemap.maps.lifts.circle_map import require_map
 from cyclemap.mechanics import Material
 from cyclemap.progress import Progress, unheard
-from cyclemap.protocol.strategy import CycleAction, ResetStrategy
+from cyclemap.protocol.strategy import CycleAction, ResetStrategy, require_strategy
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5
@@ -172,6 +175,8 @@ def strategy_maps(
     >>> round(float(second(1.0) - first(1.0)), 9) == round(math.pi / 2.0, 9)
     True
     """
+    require_loop(loop)
+    require_strategy(strategy)
     computed: dict[CollectionLoop, CircleMap] = {}
     maps = list[CircleMap]()
     report = progress or unheard
@@ -209,8 +214,31 @@ def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
     >>> map_turns([CircleMap.rigid(0.25)], samples=3).round(4).tolist()
     [[1.5708, 1.5708, 1.5708]]
     """
-    theta = even_angles(samples)
-    return np.array([np.asarray(cycle_map(theta)) - theta for cycle_map in maps])
+    count = whole_number("samples", samples, least=1)
+    try:
+        each = tuple(maps)
+    except TypeError as cause:
+        raise InvalidInput(f"maps is {maps!r}: give a sequence of CircleMaps") from cause
+    for cycle_map in each:
+        require_map(cycle_map)
+    require_room("the turns", len(each) * count, "give fewer samples")
+    theta = even_angles(count)
+    return np.array([np.asarray(cycle_map(theta)) - theta for cycle_map in each])
+
+
+def checked_turns(turn: ArrayLike, actions: int | None = None) -> Array:
+    """Return turns of actions at equal steps, (actions, n), or raise InvalidInput; `actions`: how
+    many there are, None for any number.
+
+    >>> checked_turns([[0.1, 0.2]], 1).shape
+    (1, 2)
+    """
+    checked = finite_array("turn", turn, ndim=2)
+    if checked.size == 0:
+        raise InvalidInput(f"turn has shape {checked.shape}: give a row an action, of some steps")
+    if actions is not None and len(checked) != actions:
+        raise InvalidInput(f"turn has {len(checked)} rows for {actions} actions: give one each")
+    return checked
 
 
 def seconds(travel: Array, turned: Array) -> Array:

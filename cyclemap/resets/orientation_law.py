@@ -15,11 +15,19 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
+from cyclemap.protocol.strategy import (
+    IN_TURN,
+    RANDOM,
+    SHUFFLED,
+    ResetStrategy,
+    require_strategy,
+)
+from cyclemap.resets.action_cycles import checked_turns
 
 # Orientations at which densities are compared with uniform, and starts of which the worst is taken.
 DENSITY_SAMPLES = 360
@@ -144,13 +152,17 @@ class OrientationLaw:
 
 
 def orientation_law(
-    turn: Array, strategy: ResetStrategy, sigma: float, pushes: int = 50, modes: int | None = None
+    turn: ArrayLike,
+    strategy: ResetStrategy,
+    sigma: float,
+    pushes: int = 50,
+    modes: int | None = None,
 ) -> OrientationLaw:
     """Return the law of the orientations of a strategy, from the turns of its actions.
 
     Parameters
     ----------
-    turn : ndarray, shape (actions, n)
+    turn : array_like, shape (actions, n)
         Turns at n equal steps of theta, rad.
     strategy : ResetStrategy
         The actions' shares and order.
@@ -170,7 +182,8 @@ def orientation_law(
     Raises
     ------
     InvalidInput
-        For a shuffled order with too many different sets of actions on the way through a block.
+        For what is no turn, strategy or number of modes, fewer than 49 turns an action, and a
+        shuffled order with too many different sets of actions on the way through a block.
 
     Examples
     --------
@@ -182,6 +195,13 @@ def orientation_law(
     """
     positive_number("sigma", sigma)
     count = whole_number("pushes", pushes, least=1)
+    turn = checked_turns(turn, len(require_strategy(strategy).actions))
+    least = _MODES[0] if modes is None else whole_number("modes", modes, least=1)
+    if turn.shape[-1] <= 2 * least:
+        raise InvalidInput(
+            f"turn has {turn.shape[-1]} steps, too few for {least} modes: give {2 * least + 1} or "
+            "more"
+        )
     sizes = (
         [size for size in _MODES if size <= max(turn.shape[-1] // 4, _MODES[0])]
         if modes is None

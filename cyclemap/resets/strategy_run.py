@@ -9,17 +9,28 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Whole, nodes_around
-from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
-from cyclemap.collection.loop import CollectionLoop, run_cycles
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    non_negative_number,
+    read_only,
+    require_room,
+    whole_number,
+)
+from cyclemap.collection.loop import CollectionLoop, require_loop, run_cycles
 from cyclemap.collection.loop_surfaces import worn_loop
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.turn_bins import bin_shares
 from cyclemap.progress import Progress, unheard
-from cyclemap.protocol.strategy import ResetStrategy
+from cyclemap.protocol.strategy import ResetStrategy, require_strategy
+from cyclemap.resets.action_cycles import checked_turns
 from cyclemap.resets.coverage import Crowding
 
 BINS = 36
+_MOST_PUSHES = 2**53  # whole numbers that floats tell apart
 # The noise's stream of random numbers, beside that of what is drawn, which starts from the seed
 # itself.
 _NOISE_STREAM = 1 << 20
@@ -102,9 +113,12 @@ def run_strategy(
     >>> bool(abs(run.theta[0, 1] - loop.cycle(0.0).theta_next) < 1e-9)
     True
     """
+    require_loop(loop)
+    require_strategy(strategy)
     count = whole_number("cycles", cycles, least=1)
     many = whole_number("runs", runs, least=1)
-    chosen = drawn_actions(strategy, count, many, seed)
+    require_room("the orientations", many * count, "give fewer cycles or runs")
+    chosen = drawn_actions(strategy, count, many, whole_number("seed", seed, least=0))
     kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
     turns = np.array([action.turn for action in strategy.actions])
     report = progress or unheard
@@ -135,7 +149,7 @@ def noise_of_runs(sigma: float, cycles: int, runs: int, seed: int) -> Array:
 
 
 def sampled_orientations(
-    turn: Array,
+    turn: ArrayLike,
     strategy: ResetStrategy,
     cycles: int,
     runs: int,
@@ -147,7 +161,7 @@ def sampled_orientations(
 
     Parameters
     ----------
-    turn : ndarray, shape (actions, n)
+    turn : array_like, shape (actions, n)
         Turns at n equal steps of theta, rad; between the steps they are interpolated linearly.
     strategy : ResetStrategy
         Which action comes when.
@@ -179,19 +193,23 @@ def sampled_orientations(
     >>> np.degrees(theta).round(6).tolist()
     [[0.0, 90.0, 180.0]]
     """
+    turns = checked_turns(turn, len(require_strategy(strategy).actions))
+    _check_runs(cycles, runs, sigma, seed)
     chosen = drawn_actions(strategy, cycles, runs, seed)
     return _followed(
-        turn, chosen.shape, sigma, seed, start, lambda cycle, theta, ends: chosen[:, cycle]
+        turns, chosen.shape, sigma, seed, start, lambda cycle, theta, ends: chosen[:, cycle]
     )
 
 
-def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed: int = 0) -> Array:
+def steered_orientations(
+    turn: ArrayLike, cycles: int, runs: int, sigma: float, seed: int = 0
+) -> Array:
     """Return the orientations of collections whose every cycle is the action that leads to where
     least was recorded so far.
 
     Parameters
     ----------
-    turn : ndarray, shape (actions, n)
+    turn : array_like, shape (actions, n)
         Turns at n equal steps of theta, rad.
     cycles : int
         Cycles of a collection.
@@ -222,13 +240,23 @@ def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed
     >>> sorted((np.degrees(theta - theta[0, 0]).round()[0] % 360).tolist())
     [0.0, 90.0, 180.0, 270.0]
     """
+    turns = checked_turns(turn)
+    _check_runs(cycles, runs, sigma, seed)
     crowding = Crowding(runs)
 
     def least(cycle: int, theta: Array, ends: Array) -> Whole:
         crowding.add(theta)
         return np.asarray(np.argmin(crowding.at(ends), axis=0))
 
-    return _followed(turn, (runs, cycles), sigma, seed, None, least)
+    return _followed(turns, (runs, cycles), sigma, seed, None, least)
+
+
+def _check_runs(cycles: int, runs: int, sigma: float, seed: int) -> None:
+    count = whole_number("cycles", cycles, least=1)
+    many = whole_number("runs", runs, least=1)
+    require_room("the orientations", many * count, "give fewer cycles or runs")
+    non_negative_number("sigma", sigma)
+    whole_number("seed", seed, least=0)
 
 
 def _followed(
@@ -257,12 +285,12 @@ def _followed(
     return theta
 
 
-def histogram_shares(theta: Array) -> Array:
+def histogram_shares(theta: ArrayLike) -> Array:
     """Return histograms of orientations, in 36 equal bins from 0.
 
     Parameters
     ----------
-    theta : ndarray, shape (runs, n)
+    theta : array_like, shape (runs, n)
         Orientations, rad.
 
     Returns
@@ -277,15 +305,18 @@ def histogram_shares(theta: Array) -> Array:
     >>> histogram_shares(np.radians([[5.0, 6.0, 15.0, -5.0]]))[0, [0, 1, 35]].tolist()
     [0.5, 0.25, 0.25]
     """
-    return bin_shares(theta, BINS)
+    angles = finite_array("theta", theta)
+    if angles.ndim == 0 or angles.shape[-1] == 0:
+        raise InvalidInput(f"theta has shape {angles.shape}: give one orientation or more a run")
+    return bin_shares(angles, BINS)
 
 
-def histogram_distances(shares: Array) -> Array:
+def histogram_distances(shares: ArrayLike) -> Array:
     """Return the total variation between histograms and the uniform one.
 
     Parameters
     ----------
-    shares : ndarray, shape (runs, bins)
+    shares : array_like, shape (runs, bins)
         Shares of a histogram, which sum to one.
 
     Returns
@@ -302,7 +333,10 @@ def histogram_distances(shares: Array) -> Array:
     >>> histogram_distances(histogram_shares(np.array([even, locked]))).round(4).tolist()
     [0.0, 0.9722]
     """
-    return np.asarray(0.5 * np.abs(shares - 1.0 / shares.shape[-1]).sum(axis=-1))
+    parts = finite_array("shares", shares)
+    if parts.ndim == 0 or parts.shape[-1] == 0:
+        raise InvalidInput(f"shares has shape {parts.shape}: give one bin or more a run")
+    return np.asarray(0.5 * np.abs(parts - 1.0 / parts.shape[-1]).sum(axis=-1))
 
 
 def independent_distance(pushes: int) -> float:
@@ -312,7 +346,7 @@ def independent_distance(pushes: int) -> float:
     Parameters
     ----------
     pushes : int
-        How many orientations.
+        How many orientations, at most 2⁵³.
 
     Returns
     -------
@@ -328,6 +362,7 @@ def independent_distance(pushes: int) -> float:
     from scipy.stats import binom
 
     count = whole_number("pushes", pushes, least=1)
+    require_room("the pushes", count, "give fewer", _MOST_PUSHES)
     chance = 1.0 / BINS
     # E|K - np| = 2 (1 - p) m P(K = m), m = floor(np) + 1.
     most = math.floor(count * chance) + 1

@@ -32,6 +32,10 @@ def test_branches_of_huge_periods_are_refused_at_once(period):
     refused(maps.bifurcation_curves, CircleMap.arnold, (0.02, 0.3), (0.5, 0.9), period, told=told)
 
 
+def test_periods_beyond_all_floats_are_refused():
+    refused(maps.periodic_points, STICKY, 10**400, told="the period: above 1e300")
+
+
 def test_parameters_that_do_not_fit_are_refused():
     refused(maps.rotation_numbers, ARNOLD_FAMILY, [0.1, 0.2], [0.3, 0.4, 0.5], told="broadcast")
     for ask in (maps.rotation_numbers, maps.lyapunov_exponents):
