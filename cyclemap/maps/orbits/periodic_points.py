@@ -129,7 +129,8 @@ def periodic_points(
     Raises
     ------
     InvalidInput
-        When a whole arc is periodic, or the period too large; with ``proved`` for lifts that do not take intervals.
+        When a whole arc is periodic, or the period too large; with ``proved`` for lifts that do not
+        take intervals.
     ConvergenceError
         When Fⁿ needs more than 2,000,000 cells; with ``proved`` for what cannot be decided.
 

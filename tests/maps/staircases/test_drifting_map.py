@@ -151,6 +151,7 @@ def test_the_bound_of_the_climb_holds_where_a_schedule_goes_to_and_fro():
     assert abs(climb - truth) <= climb.error_bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("summed", [200, 0])
 def test_the_climb_of_wear_that_goes_to_and_fro_each_cycle_is_a_sum(monkeypatch, summed):
     """Integrated it took minutes, to a bound of half its size; 0: integrals that go wrong."""
