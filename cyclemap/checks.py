@@ -84,10 +84,17 @@ def whole_number(name: str, value: object, least: int | None = None) -> int:
     return int(value)
 
 
+# Kinds of arrays that numpy reads as numbers though they are none: text, bytes, dates, spans.
+_NO_NUMBERS = "SUMm"
+
+
 def float_array(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return `value` as a float array, or raise InvalidInput where it does not hold numbers."""
     try:
-        return np.asarray(value, dtype=float)
+        given = np.asarray(value)
+        if given.dtype.kind in _NO_NUMBERS:
+            raise TypeError(f"it holds {given.dtype.name}")
+        return np.asarray(given, dtype=float)
     except (TypeError, ValueError, OverflowError) as cause:
         raise InvalidInput(f"{name} must hold numbers only: {cause}") from cause
 

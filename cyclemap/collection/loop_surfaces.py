@@ -196,6 +196,14 @@ def floor_varies(loop: CollectionLoop) -> bool:
     return isinstance(loop.footprint, PressedFootprint) and loop.footprint.field is not None
 
 
+def with_even_floor(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop on a floor that has at every place the shape that it has at the target."""
+    footprint = loop.footprint
+    if not isinstance(footprint, PressedFootprint):
+        return loop
+    return replace(loop, footprint=replace(footprint, field=None))
+
+
 def can_bow(loop: CollectionLoop) -> bool:
     """Return whether the pressure is that of an outline: flat, or one with shapes, not points or
     shares of the load.

@@ -155,6 +155,11 @@ class DynamicModel:
             )
         points, slider = self.footprint or grid_footprint(self.slider.outline, GRID), self.slider
         if isinstance(points, PressedFootprint):
+            if points.field is not None:
+                raise InvalidInput(
+                    "the dynamic simulation knows no floor that varies from place to place: give "
+                    "the footprint with field=None, to the model beside it too"
+                )
             points = grid_footprint(points.outline, _PRESSED_GRID)
         if not isinstance(points, PointFootprint):
             raise InvalidInput(
