@@ -1,7 +1,9 @@
 """Checks shared by every room: a value is returned as a float, or refused by name."""
 
 import math
+import reprlib
 from numbers import Integral
+from types import NoneType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +29,27 @@ def require_room(what: str, numbers: float, mend: str, most: float = MOST_NUMBER
     """
     if not numbers <= most:
         raise InvalidInput(f"{what}: {numbers:.3g}, of at most {most:.3g}; {mend}")
+
+
+def require_kind(name: str, value: object, *kinds: type) -> None:
+    """Raise InvalidInput where `value` is of none of these kinds.
+
+    >>> require_kind("wear", 5, dict, type(None))
+    Traceback (most recent call last):
+    ...
+    cyclemap.errors.InvalidInput: wear must be a dict or None, not 5
+    """
+    if not isinstance(value, kinds):
+        known = " or ".join(map(_with_article, kinds))
+        shown = " ".join(reprlib.repr(value).split())
+        raise InvalidInput(f"{name} must be {known}, not {shown}")
+
+
+def _with_article(kind: type) -> str:
+    if kind is NoneType:
+        return "None"
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    return f"{article} {kind.__name__}"
 
 
 def finite_number(name: str, value: object) -> float:
