@@ -472,7 +472,6 @@ def refusal(status: int, strokes: Strokes) -> BaseException:
 _patch = lru_cache(maxsize=256)(PatchFootprint)
 
 
-@lru_cache(maxsize=256)
 def _reach(pressure: Footprint, slider: Slider) -> float:
     """How far a footprint reaches from the object's centroid, m."""
     if isinstance(pressure, PointFootprint):
@@ -483,5 +482,6 @@ def _reach(pressure: Footprint, slider: Slider) -> float:
     return float(np.hypot(*places.T).max())
 
 
+@lru_cache(maxsize=256)
 def _scaled(outline: Outline, factor: float) -> Outline:
     return outline.scaled(factor)
