@@ -1,7 +1,9 @@
 """Checks shared by every room: a value is returned as a float, or refused by name."""
 
 import math
+import reprlib
 from numbers import Integral
+from types import NoneType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,6 +34,27 @@ def require_room(what: str, numbers: float, mend: str, most: float = MOST_NUMBER
         # Whole numbers may be beyond all floats.
         given = f"{numbers:.3g}" if numbers < 1e300 else "above 1e300"
         raise InvalidInput(f"{what}: {given}, of at most {most:.3g}; {mend}")
+
+
+def require_kind(name: str, value: object, *kinds: type) -> None:
+    """Raise InvalidInput where `value` is of none of these kinds.
+
+    >>> require_kind("wear", 5, dict, type(None))
+    Traceback (most recent call last):
+    ...
+    cyclemap.errors.InvalidInput: wear must be a dict or None, not 5
+    """
+    if not isinstance(value, kinds):
+        known = " or ".join(map(_with_article, kinds))
+        shown = " ".join(reprlib.repr(value).split())
+        raise InvalidInput(f"{name} must be {known}, not {shown}")
+
+
+def _with_article(kind: type) -> str:
+    if kind is NoneType:
+        return "None"
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    return f"{article} {kind.__name__}"
 
 
 def finite_number(name: str, value: object) -> float:
@@ -89,10 +112,17 @@ def whole_number(name: str, value: object, least: int | None = None) -> int:
     return int(value)
 
 
+# Kinds of arrays that numpy reads as numbers though they are none: text, bytes, dates, spans.
+_NO_NUMBERS = "SUMm"
+
+
 def float_array(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return `value` as a float array, or raise InvalidInput where it does not hold numbers."""
     try:
-        return np.asarray(value, dtype=float)
+        given = np.asarray(value)
+        if given.dtype.kind in _NO_NUMBERS:
+            raise TypeError(f"it holds {given.dtype.name}")
+        return np.asarray(given, dtype=float)
     except (TypeError, ValueError, OverflowError) as cause:
         raise InvalidInput(f"{name} must hold numbers only: {cause}") from cause
 

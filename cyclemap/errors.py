@@ -106,7 +106,7 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> InvalidInput:
     unknown material 'plywod': did you mean 'plywood'? Known: abs, plywood
     """
     names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=1)
+    close = difflib.get_close_matches(str(name), names, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return InvalidInput(f"unknown {kind} {name!r}: {hint}Known: {', '.join(names)}")
 

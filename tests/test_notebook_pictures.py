@@ -53,6 +53,13 @@ def test_a_cycle_tells_its_turns() -> None:
     assert "push +73.7° (blue), drag back -63.7°" in shown(LOOP.cycle(0.0)).findtext("figcaption")
 
 
+def test_a_cycle_that_leaves_the_ring_where_it_is_has_no_way_back_to_draw() -> None:
+    """The rod leaves at once; of a drag without length there is no trajectory."""
+    cycle = cm.CollectionLoop.mit(push=cm.SidePush(fraction=0.0, angle=1.5707963)).cycle(0.0)
+    assert cycle.drag_length == 0.0
+    assert len(list(shown(cycle).iter("polyline"))) == 4
+
+
 @pytest.mark.slow
 def test_a_portrait_marks_its_fixed_points() -> None:
     found = cm.portrait(LOOP, tolerance=1e-4, cycles=50)

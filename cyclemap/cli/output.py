@@ -79,6 +79,13 @@ def result_name(kind: str, loop: CollectionLoop, surface: str | None = None) -> 
     return f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}"
 
 
+def data_stem(data: Path) -> str:
+    """The name of a file or folder of data as it can stand in the name of a result, the working
+    folder's included.
+    """
+    return file_stem(data.stem.strip(".") or data.resolve().stem)
+
+
 def write_json(path: Path, report: Json) -> None:
     """Write `report` as JSON to the file `path`."""
     write_whole(path, _json_bytes(report))

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+import click
+
 from cyclemap.cli.commands import CycleOptions, DynamicsOptions, ExperimentOptions, SimulateOptions
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -27,7 +29,11 @@ from cyclemap.collection.dynamic_loop import (
     compare_dynamics,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import isotropic_twin
+from cyclemap.collection.loop_surfaces import (
+    floor_varies,
+    isotropic_twin,
+    with_even_floor,
+)
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
@@ -139,13 +145,24 @@ def parse_angles(text: str) -> list[float]:
     return angles
 
 
+def _on_even_floor(loop: CollectionLoop) -> CollectionLoop:
+    """The loop as the dynamic simulation can run it, after saying on stderr what is left out."""
+    if floor_varies(loop):
+        click.echo(
+            f"the floor of {loop.material.name} varies from place to place, which the dynamic "
+            "simulation does not know: both models run on its shape at the target",
+            err=True,
+        )
+    return with_even_floor(loop)
+
+
 def run_dynamics(asked: DynamicsOptions) -> None:
     """Run the cycles of both models under both laws, draw them, and print them for people or as
     JSON.
     """
     starts_deg = parse_angles(asked.theta0_deg)
     theta = [math.radians(start) for start in starts_deg]
-    chosen = asked.loop.chosen_loop().loop
+    chosen = _on_even_floor(asked.loop.chosen_loop().loop)
     loop = DynamicLoop(chosen, speed=1e-3 * asked.speed_mm_s)
     with progress_bar(f"dynamic cycles on {chosen.material.name}") as report:
         material = compare_dynamics(loop, theta)
@@ -205,7 +222,10 @@ def run_experiment(asked: ExperimentOptions) -> None:
     if asked.quasi_static and asked.speed_mm_s is not None:
         raise InvalidInput("--speed-mm-s is of dynamic cycles: leave it or --quasi-static out")
     speed_mm_s = DEFAULT_SPEED_MM_S if asked.speed_mm_s is None else asked.speed_mm_s
-    run = loop if asked.quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
+    run: CollectionLoop | DynamicLoop = loop
+    if not asked.quasi_static:
+        loop = _on_even_floor(loop)
+        run = DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, asked.batches, asked.cycles, report)
     as_json: Json = {

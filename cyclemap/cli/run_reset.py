@@ -20,6 +20,7 @@ from cyclemap.cli.output import (
     styled,
 )
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.mechanics import Material, load_material
@@ -111,6 +112,10 @@ def _range(nominal: Material, asked: ResetOptions) -> MaterialRange:
     likely = asked.likely
     if not likely:
         return about
+    if asked.axes_percent is not None or asked.offsets_percent is not None:
+        raise InvalidInput(
+            "--likely takes the place of --axes-percent and --offsets-percent: leave these out"
+        )
     return MaterialRange(about.nominal, tuple(map(load_material, likely)), ", ".join(likely))
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, even_angles, placed
-from cyclemap.checks import finite_array, whole_number
+from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
 )
@@ -194,7 +194,7 @@ def batch_experiment(
     Raises
     ------
     InvalidInput
-        For less than one batch or cycle.
+        For a loop that is none, less than one batch or cycle, and more than memory holds.
 
     References
     ----------
@@ -210,6 +210,7 @@ def batch_experiment(
     [[8.0, 8.0], [8.0, 8.0], [8.0, 8.0]]
     """
     count = whole_number("batches", batches, least=1)
+    _require_room(count, whole_number("cycles", cycles, least=1))
     report = progress or unheard
     starts = even_angles(count)
     protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
@@ -229,6 +230,7 @@ def run_batches(
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
     now = finite_array("starts", starts, ndim=1)
     length = whole_number("cycles", cycles, least=1)
+    _require_room(now.size, length)
     if not isinstance(loop, DynamicLoop):
         require_loop(loop)
     if not now.size:
@@ -257,3 +259,10 @@ def run_batches(
             if progress is not None:
                 progress((batch * length + cycle + 1) / theta[:, 1:].size)
     return BatchRun(theta, paths)
+
+
+def _require_room(batches: int, cycles: int) -> None:
+    numbers = 2 * (SAMPLES + 1) * batches * cycles
+    require_room(
+        "numbers of the paths of a batch experiment", numbers, "run fewer batches or cycles"
+    )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from cyclemap.arrays import Array, Mask
+from cyclemap.checks import require_kind
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import DragResult, PushResult, Trajectory
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch
@@ -163,7 +164,7 @@ class Cycles:
         Raises
         ------
         InvalidInput
-            Where names and axes differ in number.
+            Where names and axes differ in number, and for a name given twice or none.
 
         Examples
         --------
@@ -178,6 +179,10 @@ class Cycles:
                 f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one "
                 "for each"
             )
+        for name in axes:
+            require_kind("name of an axis", name, str)
+        if len(set(axes)) < len(axes):
+            raise InvalidInput(f"names of axes {axes} must differ: give each axis its own")
         columns = {
             name: column.to_numpy().reshape(self.theta.shape)
             for name, column in self.to_frame().items()

@@ -5,14 +5,14 @@ full map.
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
-from cyclemap.checks import finite_array, positive_number
+from cyclemap.checks import finite_array, positive_number, require_kind
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import (
@@ -166,6 +166,11 @@ class Prediction:
     anisotropy : Anisotropy
         That of the surface.
 
+    Raises
+    ------
+    InvalidInput
+        For a fingerprint or an anisotropy that is none.
+
     Notes
     -----
     The first-order map is off by `turn_error(θ)`: the second-order term there, and the
@@ -185,6 +190,14 @@ class Prediction:
 
     fingerprint: Fingerprint
     anisotropy: Anisotropy
+
+    def __post_init__(self) -> None:
+        require_kind("fingerprint", self.fingerprint, Fingerprint)
+        require_kind("anisotropy", self.anisotropy, Anisotropy)
+
+    def __getstate__(self) -> dict[str, object]:
+        # What was computed from the fields stays behind.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def turn(self, theta: ArrayLike) -> Array:
         """Return the first-order turn f(θ) - θ, (...), rad."""

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import (
     TWO_PI,
@@ -25,7 +26,7 @@ from cyclemap.arrays import (
     shorter_way,
 )
 from cyclemap.checks import finite_array, finite_number, positive_number, require_room, whole_number
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
@@ -123,7 +124,7 @@ def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Arr
 
     Raises InvalidInput for a material without samples.
     """
-    posterior = loop.material.posterior
+    posterior = require_loop(loop).material.posterior
     if posterior is None:
         raise InvalidInput(
             f"{loop.material.name} has no samples of what is believed of it: identify it from data"
@@ -220,6 +221,10 @@ def sampled_paths(
     InvalidInput
         For fewer than 50 pushes, more than memory holds, and numbers that make no sense.
     """
+    turns = _samples_of(turns)
+    ahead = np.zeros_like(turns) if change is None else finite_array("change", change)
+    if ahead.shape != turns.shape:
+        raise InvalidInput(f"change must have the shape of turns, {turns.shape}, not {ahead.shape}")
     count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
     runs = max(_RUNS, len(turns))
     require_room("angles of a forecast", 2.0 * count * runs, "forecast fewer pushes")
@@ -227,7 +232,7 @@ def sampled_paths(
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     each = -(-runs // len(turns))
     now = np.repeat(turns, each, axis=0)
-    later = now if change is None else now + np.repeat(change, each, axis=0)
+    later = now + np.repeat(ahead, each, axis=0)
     run = np.arange(len(now))
     paths = np.empty((count + 1, len(now)))
     paths[0] = finite_number("start", start)
@@ -325,7 +330,7 @@ def turns_after_log(
     Raises
     ------
     InvalidInput
-        For numbers that make no sense.
+        For more draws than memory holds, and numbers that make no sense.
 
     Notes
     -----
@@ -347,15 +352,14 @@ def turns_after_log(
     >>> round(math.degrees(logged.turns.mean()), 1)
     3.0
     """
-    believed = finite_array("turns", turns)
-    if believed.ndim != 2 or believed.shape[1] < 2:
-        raise InvalidInput(f"turns must be (samples, nodes), not of shape {believed.shape}")
-    angles = finite_array("path", path)[-MOST_PUSHES:]
+    believed = _samples_of(turns)
+    angles = finite_array("path", path, ndim=1)[-MOST_PUSHES:]
     scatter = positive_number("sigma", sigma)
     steps = whole_number("pushes ahead", ahead, least=1)
     count = whole_number("draws", draws, least=1)
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     nodes = believed.shape[1]
+    require_room("turns of the draws", nodes * max(nodes, count), "ask for fewer draws or nodes")
     theta = even_angles(nodes)
     alike = np.exp(-2.0 * (np.sin(0.5 * (theta[:, None] - theta)) / WIDTH) ** 2)
     tried = [
@@ -372,6 +376,16 @@ def turns_after_log(
     )
     change = likeliest.change * math.sqrt(steps) * walk
     return LoggedTurns(likeliest.turns[sample] + off, change, likeliest.sigma)
+
+
+def _samples_of(turns: ArrayLike) -> Array:
+    """Turns as an array (samples, nodes), or InvalidInput."""
+    array = finite_array("turns", turns)
+    if array.ndim != 2 or array.shape[0] < 1 or array.shape[1] < 2:
+        raise InvalidInput(
+            f"turns must be (samples, nodes), one sample or more, not of shape {array.shape}"
+        )
+    return array
 
 
 @dataclass(frozen=True, eq=False)

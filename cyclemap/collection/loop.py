@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, placed
-from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.checks import finite_array, finite_number, positive_number, require_kind
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycles import Cycles, CycleSensitivity, CycleTrajectory, StrokePair
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
@@ -40,6 +41,7 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.cycle_batch import CycleSlopes, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.footprint import FOOTPRINTS
 from cyclemap.mechanics.plate_footprint import plate_footprint
 from cyclemap.progress import Progress
 
@@ -92,18 +94,21 @@ class Cycle(StrokePair[PushResult, DragResult]):
     @cached_property
     def trajectory(self) -> CycleTrajectory[Trajectory]:
         """The course of the cycle, run once more with steps short enough to be drawn."""
-        push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
+        push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN or math.inf)
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
     def _repr_html_(self) -> str:
-        course = self.trajectory
+        # A drag of no length has no course.
+        courses = [self.push.trajectory]
+        if self.drag_length > 0.0:
+            courses = [self.trajectory.push, self.trajectory.drag]
         outline = self.loop.slider.outline_points()
         outlines = [
-            Stroke(placed(course.push.pose[0], outline)),
-            Stroke(placed(course.push.pose[-1], outline), BLUE),
-            Stroke(placed(course.drag.pose[-1], outline), GREY),
+            Stroke(placed(courses[0].pose[0], outline)),
+            Stroke(placed(courses[0].pose[-1], outline), BLUE),
+            Stroke(placed(courses[-1].pose[-1], outline), GREY),
         ]
-        rod = [Stroke(stroke.pusher, width=1.0) for stroke in (course.push, course.drag)]
+        rod = [Stroke(course.pusher, width=1.0) for course in courses]
         push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
         caption = (
             f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} "
@@ -134,6 +139,11 @@ class CollectionLoop:
     accuracy : float, default 1e-8
         Error aimed at for a push or a drag, rad, as `QuasiStaticModel`'s.
 
+    Raises
+    ------
+    InvalidInput
+        For parts that are none.
+
     Notes
     -----
     Every cycle starts with the ring at the target, the world's origin: the state is the
@@ -156,6 +166,14 @@ class CollectionLoop:
     reset: DragBack = DragBack()
     footprint: Footprint | None = None
     accuracy: float = 1e-8
+
+    def __post_init__(self) -> None:
+        require_kind("slider", self.slider, Slider)
+        require_kind("material", self.material, Material)
+        require_kind("pusher", self.pusher, Pusher)
+        require_kind("push", self.push, SidePush)
+        require_kind("reset", self.reset, DragBack)
+        require_kind("footprint", self.footprint, *FOOTPRINTS, NoneType)
 
     def __getstate__(self) -> dict[str, object]:
         # What was computed from the fields stays behind.
@@ -190,6 +208,7 @@ class CollectionLoop:
         >>> CollectionLoop.mit("plywood").with_material(load_material("isotropic")).material.name
         'isotropic'
         """
+        require_kind("material", material, Material)
         known = material.found_with
         brought: dict[str, Any] = {"material": material}
         if known.pusher_friction is not None:
@@ -288,7 +307,7 @@ class CollectionLoop:
         Raises
         ------
         InvalidInput
-            For an unknown name.
+            For an unknown name, and names that are none.
 
         Notes
         -----
@@ -300,6 +319,7 @@ class CollectionLoop:
         cannot have, and by the radius of a point that starts or rests at a corner, where a thin
         rod's way grows as the root of its radius.
         """
+        require_kind("parameters", parameters, tuple, list)
         for name in parameters:
             if name not in PARAMETERS:
                 raise unknown_name("parameter", name, PARAMETERS)
@@ -378,6 +398,11 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     array([[73.65, 73.93, 70.46],
            [79.15, 80.12, 78.44]])
     """
+    if not isinstance(loops, Sequence):
+        raise InvalidInput(
+            "loops must be a sequence, such as [CollectionLoop.mit('plywood')], not "
+            f"{reprlib.repr(loops)}"
+        )
     for loop in loops:
         require_loop(loop)
     values = finite_array("theta", theta)

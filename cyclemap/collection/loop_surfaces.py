@@ -97,8 +97,9 @@ class Anisotropy:
                 "friction must be an EllipseFriction, such as loop.material.friction, not "
                 f"{friction!r}"
             )
-        vector = complex(friction.m0, friction.n0) / math.sqrt(friction.mu_a * friction.mu_b)
-        signed = 0.5 * math.log(friction.mu_a / friction.mu_b)
+        mean = math.sqrt(friction.mu_a) * math.sqrt(friction.mu_b)
+        vector = complex(friction.m0, friction.n0) / mean
+        signed = 0.5 * (math.log(friction.mu_a) - math.log(friction.mu_b))
         axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi
         vector *= cmath.exp(1j * friction.phi)
         return cls(abs(vector), cmath.phase(vector), abs(signed), axis % math.pi)
@@ -106,7 +107,7 @@ class Anisotropy:
     @classmethod
     def of_components(cls, components: ArrayLike) -> "Anisotropy":
         """Return the anisotropy of the four numbers that `seen_from(0)` gives."""
-        u_x, u_y, v_x, v_y = finite_array("components", components, last=4).tolist()
+        u_x, u_y, v_x, v_y = finite_array("components", components, last=4, ndim=1).tolist()
         angle = 0.5 * math.atan2(v_y, v_x)
         return cls(
             math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi
@@ -196,6 +197,14 @@ def floor_varies(loop: CollectionLoop) -> bool:
     return isinstance(loop.footprint, PressedFootprint) and loop.footprint.field is not None
 
 
+def with_even_floor(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop on a floor that has at every place the shape that it has at the target."""
+    footprint = loop.footprint
+    if not isinstance(footprint, PressedFootprint):
+        return loop
+    return replace(loop, footprint=replace(footprint, field=None))
+
+
 def can_bow(loop: CollectionLoop) -> bool:
     """Return whether the pressure is that of an outline: flat, or one with shapes, not points or
     shares of the load.
@@ -248,6 +257,11 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     CollectionLoop
         The same protocol on the other surface.
 
+    Raises
+    ------
+    InvalidInput
+        For a loop or a material that is none.
+
     Notes
     -----
     What was set otherwise, as the friction of another rod, stays.
@@ -264,7 +278,7 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     0.2
     """
     bare = replace(
-        loop,
+        require_loop(loop),
         pusher=replace(loop.pusher, friction=Pusher().friction),
         reset=replace(loop.reset, pin_friction_radius=DragBack().pin_friction_radius),
         footprint=None,
@@ -301,6 +315,11 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     CollectionLoop
         The loop on the worn surface.
 
+    Raises
+    ------
+    InvalidInput
+        For a loop that is none, and cycles that are negative.
+
     Examples
     --------
     >>> from cyclemap.collection import CollectionLoop, worn_loop
@@ -308,7 +327,7 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     >>> worn_loop(loop, 1000.0) == loop
     True
     """
-    material = loop.material
+    material = require_loop(loop).material
     if material.wear is None:
         return loop
     plates = material.plates
@@ -354,7 +373,7 @@ def drifting_map(
     Raises
     ------
     InvalidInput
-        Where the material does not wear.
+        For a loop that is none, and where the material does not wear.
 
     Examples
     --------
@@ -365,12 +384,12 @@ def drifting_map(
     >>> drifting.max_error < 1e-3
     True
     """
-    if loop.material.wear is None:
+    wear = require_loop(loop).material.wear
+    if wear is None:
         raise InvalidInput(
             f"{loop.material.name} does not wear: its file has no table [worn]; use its "
             "circle_map()"
         )
-    wear = loop.material.wear
     count = whole_number("cycles", cycles, least=1)
     numbered = itertools.count(1)
     # The way is blended, then gone through at the pace of the course: kinks of the course cost no

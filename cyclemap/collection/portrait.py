@@ -16,7 +16,7 @@ from cyclemap.collection.lock_forecast import (
     forecast_from_turns,
     sampled_turns,
 )
-from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.loop import CollectionLoop, Cycle, require_loop
 from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import ConvergenceError
@@ -297,6 +297,8 @@ def _run(
     How well directions are known, and what a run brings of all that is believed, stay unknown of
     what stands in for a loop, its map alone being known.
     """
+    if not hasattr(loop, "circle_map"):
+        require_loop(loop)
     if sigma is not None:
         positive_number("sigma", sigma)
     whole_number("cycles", cycles, least=1)

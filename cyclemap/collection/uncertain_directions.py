@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, Array, even_angles, evenly_spread, shorter_way
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import PressedFootprint
@@ -164,6 +164,11 @@ def direction_uncertainty(
     DirectionUncertainty
         An interval for each direction.
 
+    Raises
+    ------
+    InvalidInput
+        For a loop that is none.
+
     Notes
     -----
     95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies inside
@@ -184,7 +189,7 @@ def direction_uncertainty(
     ('axis ratio', 2, [63])
     """
     report = progress or unheard
-    stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
+    stated = replace(require_loop(loop), accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
         return _of_axis_ratio(stated, report)
     samples = map(loop.material.sample, range(len(loop.material.posterior)))

@@ -20,7 +20,14 @@ import casadi as ca
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import non_negative_number, point, positive_number, whole_number
+from cyclemap.checks import (
+    non_negative_number,
+    point,
+    positive_number,
+    require_kind,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.engine.schema import QUADRATIC
@@ -45,6 +52,10 @@ _WAIT, _MOST_WAITS = 4.0, 100
 _REST, _REST_CREEPS = 0.01, 10.0
 # A leg shorter than this (extents) is none.
 _SHORTEST = 1e-12
+# No rod is faster, m/s.
+_FASTEST = 1e3
+# Numbers of each sample of a leg.
+_SAMPLED = 13
 # How a leg lies (rod's start and velocity, duration), then what it meets; creep: the speed below
 # which friction fades.
 LEG = ("rod_x", "rod_y", "rod_vx", "rod_vy", "duration")
@@ -116,9 +127,9 @@ class DynamicModel:
     Raises
     ------
     InvalidInput
-        For speed, stiffness, damping, regularisation or tolerance that is not positive or out
-        of reach, a footprint without support points, and a contact so soft that the rod would
-        sink into it.
+        For parts that are none, speed, stiffness, damping, regularisation or tolerance that is
+        not positive or out of reach, a footprint without support points, and a contact so soft
+        that the rod would sink into it.
 
     Examples
     --------
@@ -143,8 +154,15 @@ class DynamicModel:
     inertia: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        require_kind("slider", self.slider, Slider)
+        require_kind("friction", self.friction, EllipseFriction)
+        require_kind("pusher", self.pusher, Pusher)
         for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
             vars(self)[name] = positive_number(name, getattr(self, name))
+        if self.speed > _FASTEST:
+            raise InvalidInput(
+                f"speed {self.speed:g} m/s is that of no rod: choose at most {_FASTEST:g} m/s"
+            )
         if not 1e-10 <= self.tolerance <= 1e-3:
             raise InvalidInput(
                 f"tolerance {self.tolerance} is out of reach: choose one from 1e-10 to 1e-3"
@@ -155,6 +173,11 @@ class DynamicModel:
             )
         points, slider = self.footprint or grid_footprint(self.slider.outline, GRID), self.slider
         if isinstance(points, PressedFootprint):
+            if points.field is not None:
+                raise InvalidInput(
+                    "the dynamic simulation knows no floor that varies from place to place: give "
+                    "the footprint with field=None, to the model beside it too"
+                )
             points = grid_footprint(points.outline, _PRESSED_GRID)
         if not isinstance(points, PointFootprint):
             raise InvalidInput(
@@ -193,10 +216,13 @@ class DynamicModel:
         Raises
         ------
         InvalidInput
-            For a contact that does not exist or a concave outline.
+            For a push that is none, a contact that does not exist, a concave outline, and more
+            samples than memory holds.
         ConvergenceError
             Where the integration fails.
         """
+        require_kind("pose", pose, Pose)
+        require_kind("push of the dynamic simulation", push, SidePush)
         touch, way = first_contact(self.slider, push, self.pusher.radius)
         places = (pose.to_world(*place) for place in (touch, touch + push.distance * way))
         equations = self._equations(self.slider.outline, samples)
@@ -234,10 +260,12 @@ class DynamicModel:
         Raises
         ------
         InvalidInput
-            For values that are not numbers or a ring that is already there.
+            For values that are not numbers, a ring that is already there, and more samples than
+            memory holds.
         ConvergenceError
             Where the integration fails.
         """
+        require_kind("pose", pose, Pose)
         radius = non_negative_number("pin friction radius", pin_friction_radius)
         if not isinstance(way_points, (tuple, list, np.ndarray)) or len(way_points) == 0:
             raise InvalidInput(
@@ -257,6 +285,8 @@ class DynamicModel:
         """The equations of a leg of the rod on an outline, or in a ring at a place (m), with
         friction of a radius.
         """
+        count = whole_number("samples", samples, least=1)
+        require_room("numbers of the samples of a leg", _SAMPLED * count, "keep fewer samples")
         slider, law, length = self.slider, self.friction, self.points.extent
         unit = 1.0 / length
         froude = self.speed**2 / (GRAVITY * length)
@@ -281,7 +311,7 @@ class DynamicModel:
             if isinstance(touched, tuple)
             else touched.scaled(unit),
             self.tolerance,
-            whole_number("samples", samples, least=1),
+            count,
             physics,
             _resized(pressed, unit) if pressed else None,
         )

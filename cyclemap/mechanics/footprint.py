@@ -4,11 +4,19 @@ import re
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, point, read_only, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    point,
+    read_only,
+    require_kind,
+    whole_number,
+)
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, area_quadrature
@@ -68,9 +76,9 @@ class PatchFootprint:
     Raises
     ------
     InvalidInput
-        For shares outside [0, 1] or above 1 together, corners of an ellipse, an inner or rim
-        share where the scaled outline does not lie inside, and a centre of pressure so far out
-        that the pressure would be negative somewhere.
+        For an outline that is none, shares outside [0, 1] or above 1 together, corners of an
+        ellipse, an inner or rim share where the scaled outline does not lie inside, and a centre
+        of pressure so far out that the pressure would be negative somewhere.
 
     Examples
     --------
@@ -93,6 +101,7 @@ class PatchFootprint:
 
     def __post_init__(self) -> None:
         outline = self.outline
+        require_kind("outline of a footprint", outline, Polygon, Ellipse)
         moments, corners, has_frame = _shape_of(outline)
         even_share = self._even_share(has_frame)
         centre = (
@@ -257,6 +266,7 @@ class PointFootprint:
 
 
 Footprint = PatchFootprint | PressedFootprint | PointFootprint
+FOOTPRINTS = get_args(Footprint)
 
 
 def grid_footprint(outline: Outline, count: int) -> PointFootprint:
@@ -279,7 +289,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     Raises
     ------
     InvalidInput
-        For a count outside 2 to 99.
+        For an outline that is none, and a count outside 2 to 99.
 
     References
     ----------
@@ -292,6 +302,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
     12
     """
+    require_kind("outline of a footprint", outline, Polygon, Ellipse)
     if whole_number("points a side of a grid footprint", count, least=2) > _MOST_ASIDE:
         raise InvalidInput(
             f"a grid footprint of {count} points a side: the points a side must be below 100"
@@ -324,12 +335,18 @@ def corner_footprint(outline: Polygon) -> PointFootprint:
     PointFootprint
         Its vertices, each with the same weight.
 
+    Raises
+    ------
+    InvalidInput
+        For an outline that has no corners.
+
     Examples
     --------
     >>> from cyclemap.mechanics import Polygon, corner_footprint
     >>> corner_footprint(Polygon(((0, 0), (1, 0), (1, 1), (0, 1)))).weights
     (0.25, 0.25, 0.25, 0.25)
     """
+    require_kind("outline of a footprint on corners", outline, Polygon)
     return PointFootprint(outline.vertices, (1.0,) * outline.sides)
 
 
@@ -402,6 +419,7 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
     >>> parse_footprint("corners", Polygon(((0, 0), (1, 0), (1, 1)))).positions[2]
     (1.0, 1.0)
     """
+    require_kind("word for a footprint", text, str)
     if text == "exact":
         return PatchFootprint(outline)
     if text == "corners" and isinstance(outline, Polygon):

@@ -2,11 +2,19 @@
 
 import math
 from dataclasses import dataclass, field as made
+from types import NoneType
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, point, positive_number, read_only
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    point,
+    positive_number,
+    read_only,
+    require_kind,
+)
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
@@ -193,9 +201,9 @@ class PressedFootprint:
     Raises
     ------
     InvalidInput
-        For support points, which have no area, a centre outside the outline's convex hull,
-        where the object would tip, and an outline of too many corners; on first use where no
-        balance is found.
+        For support points, which have no area, shapes that are none, a centre outside the
+        outline's convex hull, where the object would tip, and an outline of too many corners; on
+        first use where no balance is found.
 
     Notes
     -----
@@ -233,6 +241,9 @@ class PressedFootprint:
                 "shapes of plate and floor press an outline, not support points: leave out the "
                 "points, or the shapes"
             )
+        require_kind("shape of the plate", self.plate, SurfaceShape)
+        require_kind("shape of the floor", self.floor, SurfaceShape)
+        require_kind("field of the floor", self.field, FloorField, NoneType)
         centre = outline.centroid if self.centre is None else point("centre of mass", self.centre)
         if not outline.bears(centre):
             raise InvalidInput(

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.checks import finite_array, finite_number, positive_number, require_kind
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
-from cyclemap.mechanics.footprint import Footprint
+from cyclemap.mechanics.footprint import FOOTPRINTS, Footprint
 from cyclemap.written import ANGLE
 
 
@@ -145,12 +145,9 @@ class EllipseFriction:
     def _in_material_axes(
         self, velocity: ArrayLike, frame: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        v = np.asarray(velocity, dtype=float)
-        if v.shape[-1:] != (2,) or not np.all(np.isfinite(v)):
-            raise InvalidInput(
-                f"velocities must be finite with shape (..., 2), not {v.shape}: {velocity!r}"
-            )
-        c, k = math.cos(self.phi - frame), math.sin(self.phi - frame)
+        v = finite_array("velocities", velocity, last=2)
+        angle = self.phi - finite_number("frame", frame)
+        c, k = math.cos(angle), math.sin(angle)
         return c * v[..., 0] + k * v[..., 1], -k * v[..., 0] + c * v[..., 1]
 
 
@@ -185,6 +182,8 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
     >>> round(between.mu_a, 6), between.mu_b, between.m0
     (0.353553, 0.3, 0.05)
     """
+    for law in (fresh, worn):
+        require_kind("friction", law, EllipseFriction)
     share = finite_number("share of wear", share)
     if not 0.0 <= share <= 1.0:
         raise InvalidInput(f"share of wear is {share:g}: it runs from 0 (fresh) to 1 (worn)")
@@ -243,6 +242,10 @@ class LimitSurface:
     footprint: Footprint
     friction: EllipseFriction
 
+    def __post_init__(self) -> None:
+        require_kind("footprint", self.footprint, *FOOTPRINTS)
+        require_kind("friction", self.friction, EllipseFriction)
+
     def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
         """Return the dissipation D per unit load.
 
@@ -291,7 +294,8 @@ class LimitSurface:
         columns = (twists * scale).reshape(-1, 3)
         if np.any(np.all(columns == 0.0, axis=1)):
             raise InvalidInput("friction is not unique at rest: a twist is zero")
-        c, s = math.cos(law.phi - frame), math.sin(law.phi - frame)
+        angle = law.phi - finite_number("frame", frame)
+        c, s = math.cos(angle), math.sin(angle)
         matrix = (law.mu_a * c, -law.mu_b * s, law.mu_a * s, law.mu_b * c)
         values = friction_values(pressure_tables(self.footprint), frame, matrix, columns)
         # The ellipse's centre (m0, n0) acts as one constant force at the centre of pressure.

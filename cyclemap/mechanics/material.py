@@ -7,10 +7,17 @@ import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import NoneType
 
 import numpy as np
 
-from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    non_negative_number,
+    positive_number,
+    require_kind,
+)
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics.foundation import FLAT, FloorField, SurfaceShape
 from cyclemap.mechanics.friction import EllipseFriction, worn_friction
@@ -52,6 +59,11 @@ class FoundWith:
     pin_friction_radius : float or None, optional
         Radius of the friction circle of the rod in the ring, m.
 
+    Raises
+    ------
+    InvalidInput
+        For a number that is negative or not finite.
+
     Examples
     --------
     >>> from cyclemap.mechanics import FoundWith
@@ -61,6 +73,12 @@ class FoundWith:
 
     pusher_friction: float | None = None
     pin_friction_radius: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("pusher_friction", "pin_friction_radius"):
+            value = getattr(self, name)
+            if value is not None:
+                vars(self)[name] = non_negative_number(name.replace("_", " "), value)
 
 
 @dataclass(frozen=True)
@@ -81,8 +99,8 @@ class PlatePressure:
     Raises
     ------
     InvalidInput
-        For a name that is none, shares outside [0, 1] or above 1 together, and for shares
-        beside a shape.
+        For a name or a shape that is none, shares outside [0, 1] or above 1 together, and for
+        shares beside a shape.
 
     Examples
     --------
@@ -98,10 +116,12 @@ class PlatePressure:
     shape: SurfaceShape = FLAT
 
     def __post_init__(self) -> None:
+        require_kind("name of a plate", self.plate, str)
         if not self.plate or printable(self.plate) != self.plate:
             raise InvalidInput(
                 f"a plate's name is {self.plate!r}: it must be the name of a slider, such as rect1"
             )
+        require_kind(f"shape of {self.plate}", self.shape, SurfaceShape)
         for key in SHARE_KEYS:
             vars(self)[key] = finite_number(f"{key} of {self.plate}", getattr(self, key))
         shares = self.shares
@@ -251,8 +271,11 @@ class MaterialPosterior:
     samples: tuple[tuple[float, ...], ...]
 
     def __post_init__(self) -> None:
+        require_kind("parameters of a posterior", self.parameters, tuple, list)
+        require_kind("samples of a posterior", self.samples, tuple, list)
         names = tuple(self.parameters)
         for name in names:
+            require_kind("a parameter of a posterior", name, str)
             plain = name.removeprefix("worn.")
             if plain in SURFACE_KEYS or name in FOUND_KEYS or _of_plate(name):
                 continue
@@ -270,6 +293,8 @@ class MaterialPosterior:
                 raise InvalidInput(
                     f"posterior sample {index} must hold {len(names)} numbers, one a parameter"
                 )
+            for name, value in zip(names, row, strict=True):
+                finite_number(f"{name} of posterior sample {index}", value)
         rows = finite_array("posterior samples", self.samples)
         if not 2 <= len(rows) <= _MOST_SAMPLES:
             raise InvalidInput(
@@ -302,7 +327,7 @@ class Wear:
     Raises
     ------
     InvalidInput
-        For cycles that are not positive, and another course.
+        For friction or a floor that is none, cycles that are not positive, and another course.
 
     Examples
     --------
@@ -318,25 +343,24 @@ class Wear:
     floor: SurfaceShape | None = None
 
     def __post_init__(self) -> None:
+        require_kind("friction of the worn surface", self.friction, EllipseFriction)
+        require_kind("floor of the worn surface", self.floor, SurfaceShape, NoneType)
         vars(self)["cycles"] = positive_number("cycles of wear", self.cycles)
-        if len(self.course):
-            course = finite_array("course of wear", self.course, last=2)
-            whole = np.vstack([[0.0, 0.0], np.atleast_2d(course), [self.cycles, 1.0]])
-            if (
-                course.ndim != 2
-                or np.any(np.diff(whole[:, 0]) <= 0.0)
-                or np.any(np.diff(whole[:, 1]) < 0.0)
-            ):
+        course = finite_array("course of wear", self.course)
+        if course.shape != (0,):
+            course = finite_array("course of wear", course, last=2, ndim=2)
+            whole = np.vstack([[0.0, 0.0], course, [self.cycles, 1.0]])
+            if np.any(np.diff(whole[:, 0]) <= 0.0) or np.any(np.diff(whole[:, 1]) < 0.0):
                 raise InvalidInput(
                     f"the course of wear {course.tolist()} must be pairs [cycles, share] that "
                     f"increase, between [0, 0] and [{self.cycles:g}, 1]"
                 )
-            vars(self)["course"] = tuple(map(tuple, course.tolist()))
+        vars(self)["course"] = tuple(map(tuple, course.tolist()))
 
     def share(self, cycles: float) -> float:
-        """Return how much of the way is gone after some cycles, in [0, 1]."""
+        """Return how much of the way is gone after some cycles, 0 or more, in [0, 1]."""
         at, gone = zip((0.0, 0.0), *self.course, (self.cycles, 1.0), strict=True)
-        return float(np.interp(finite_number("cycles", cycles), at, gone))
+        return float(np.interp(non_negative_number("cycles", cycles), at, gone))
 
 
 @dataclass(frozen=True)
@@ -379,6 +403,20 @@ class CycleNoise:
             raise InvalidInput(
                 f"correlation of successive cycles is {self.correlation:g}: it must lie in [0, 1)"
             )
+
+
+# What the parts of a material are, one of each and several.
+_PARTS: dict[str, tuple[type, ...]] = {
+    "name": (str,),
+    "friction": (EllipseFriction,),
+    "found_with": (FoundWith,),
+    "wear": (Wear, NoneType),
+    "posterior": (MaterialPosterior, NoneType),
+    "noise": (CycleNoise, NoneType),
+    "floor": (SurfaceShape,),
+    "field": (FloorField, NoneType),
+}
+_ROWS: dict[str, type] = {"plates": PlatePressure, "frames": FrameShift, "sessions": FloorSession}
 
 
 @dataclass(frozen=True)
@@ -426,8 +464,9 @@ class Material:
     Raises
     ------
     InvalidInput
-        For a name that is none, friction of no surface, a plate told twice, where a sample of
-        the posterior is no material, or where plates have shares on a floor that has a shape.
+        For a name or a part that is none, friction of no surface, a plate told twice, where a
+        sample of the posterior is no material, or where plates have shares on a floor that has a
+        shape.
 
     Examples
     --------
@@ -454,8 +493,14 @@ class Material:
     field: FloorField | None = None
 
     def __post_init__(self) -> None:
-        for name in ("plates", "frames", "sessions"):
-            vars(self)[name] = tuple(getattr(self, name))
+        for name, kinds in _PARTS.items():
+            require_kind(f"{name} of a material", getattr(self, name), *kinds)
+        for name, kind in _ROWS.items():
+            rows = getattr(self, name)
+            require_kind(f"{name} of a material", rows, tuple, list)
+            for row in rows:
+                require_kind(f"each of the {name} of a material", row, kind)
+            vars(self)[name] = tuple(rows)
         spread = finite_array("session spread", self.session_spread, last=3, ndim=1)
         if np.any(spread < 0.0):
             raise InvalidInput(f"session spread {spread.tolist()}: deviations must not be negative")

@@ -7,7 +7,7 @@ from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 
-from cyclemap.checks import finite_array, finite_number
+from cyclemap.checks import finite_array, finite_number, non_negative_number
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.friction import EllipseFriction
@@ -211,7 +211,7 @@ def _found_with_of(table: dict[str, object]) -> FoundWith:
     together = {}
     for key, value in _table(table, "found_with", tuple(FOUND_KEYS)).items():
         field, unit = FOUND_KEYS[key]
-        together[field] = unit * finite_number(key, value)
+        together[field] = unit * non_negative_number(key, value)
     return FoundWith(**together)
 
 

@@ -7,11 +7,14 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import InvalidInput
+
+# No object is smaller or larger than this, m: squares of its area soon leave the numbers there are.
+_SMALLEST, _LARGEST = 1e-50, 1e50
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,8 @@ class Polygon:
     Raises
     ------
     InvalidInput
-        For fewer than three vertices, repeated vertices, zero area, crossing sides, or vertices
-        that run clockwise: turned round, their sides would bear other numbers.
+        For fewer than three vertices, repeated vertices, zero area, crossing sides, a size of no
+        object, or vertices that run clockwise: turned round, their sides would bear other numbers.
 
     Examples
     --------
@@ -65,6 +68,7 @@ class Polygon:
             raise InvalidInput(
                 f"a polygon needs at least three vertices (k, 2), not shape {points.shape}"
             )
+        _require_size(float(np.ptp(points, axis=0).max()))
         _refuse_crossing(points)
         p, edge = points - points[0], np.roll(points, -1, axis=0) - points
         q = np.roll(p, -1, axis=0)
@@ -119,8 +123,9 @@ class Polygon:
         """
         return np.vstack([self.array, self.array[:1]])
 
-    def contains(self, points: Array) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside (even-odd rule)."""
+        points = finite_array("points", points, last=2)
         a, b = self.array, np.roll(self.array, -1, axis=0)
         x, y = points[..., 0, None], points[..., 1, None]
         straddles = (a[:, 1] > y) != (b[:, 1] > y)
@@ -158,7 +163,7 @@ class Ellipse:
     Raises
     ------
     InvalidInput
-        For a semi-axis that is not positive.
+        For a semi-axis that is not positive, or as long as no object is.
 
     Examples
     --------
@@ -180,6 +185,8 @@ class Ellipse:
         a, b = (
             positive_number(f"ellipse {name}", getattr(self, name)) for name in ("semi_x", "semi_y")
         )
+        for length in (a, b):
+            _require_size(length)
         vars(self).update(area=math.pi * a * b, extent=max(a, b))
 
     def scaled(self, factor: float) -> "Ellipse":
@@ -193,10 +200,11 @@ class Ellipse:
 
     def bears(self, place: tuple[float, float]) -> bool:
         """Whether a load at a place rests on the ellipse: whether it is inside."""
-        return bool(self.contains(np.asarray(place)))
+        return bool(self.contains(place))
 
-    def contains(self, points: Array) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside."""
+        points = finite_array("points", points, last=2)
         return np.asarray(
             np.hypot(points[..., 0] / self.semi_x, points[..., 1] / self.semi_y) < 1.0
         )
@@ -227,6 +235,14 @@ def area_quadrature(outline: Polygon, order: int = 6) -> tuple[Array, Array]:
 
 def _cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _require_size(length: float) -> None:
+    """Raise InvalidInput for a length (m) that no object has; that of points in one place is told
+    elsewhere.
+    """
+    if length != 0.0 and not _SMALLEST <= length <= _LARGEST:
+        raise InvalidInput(f"an outline of {length:.3g} m is that of no object: give it in metres")
 
 
 def _refuse_crossing(points: Array) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number
+from cyclemap.checks import finite_array, finite_number, require_kind
 from cyclemap.mechanics.engine.strokes import pressure_at, pressure_tables
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.foundation import FLAT, FloorField, PressedFootprint, SurfaceShape
@@ -107,7 +107,7 @@ def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLik
     Raises
     ------
     InvalidInput
-        For what is not finite.
+        For another footprint, and for what is not finite.
 
     Notes
     -----
@@ -123,6 +123,7 @@ def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLik
     >>> resting_pressure(on_trough, 0.0, [(0.0, 0.0), (0.0, 0.045)]).round(3).tolist()
     [0.0, 7.683]
     """
+    require_kind("footprint", footprint, PressedFootprint)
     at = finite_array("places", places, last=2)
     size, outline = footprint.extent, footprint.outline
     quadratic = pressure_at(pressure_tables(footprint), finite_number("theta", theta))

@@ -7,10 +7,11 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from types import NoneType
 
 import numpy as np
 
-from cyclemap.checks import finite_number, non_negative_number, positive_number
+from cyclemap.checks import non_negative_number, positive_number, require_kind
 from cyclemap.errors import (
     ConvergenceError,
     DoubtfulInput,
@@ -30,10 +31,18 @@ from cyclemap.mechanics.contact_curve import (
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.schema import KINDS, LAW, PARAMETERS, PIECE, Status
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
-from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint
+from cyclemap.mechanics.footprint import FOOTPRINTS, Footprint, PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Outline
-from cyclemap.mechanics.slider import DragBack, Pose, Pusher, SidePush, Slider, WorldPush
+from cyclemap.mechanics.slider import (
+    DragBack,
+    Pose,
+    Pusher,
+    SidePush,
+    Slider,
+    WorldPush,
+    places_of,
+)
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in
@@ -90,7 +99,8 @@ class QuasiStaticModel:
     Raises
     ------
     InvalidInput
-        For an accuracy out of reach, and support points that the object would tip from.
+        For parts that are none, an accuracy out of reach, and support points that the object
+        would tip from.
 
     Warns
     -----
@@ -119,6 +129,10 @@ class QuasiStaticModel:
     radius: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        require_kind("slider", self.slider, Slider)
+        require_kind("friction", self.friction, EllipseFriction)
+        require_kind("pusher", self.pusher, Pusher)
+        require_kind("footprint", self.footprint, *FOOTPRINTS, NoneType)
         accuracy = positive_number("accuracy", self.accuracy)
         if not 1e-11 <= accuracy <= 1e-2:
             raise InvalidInput(
@@ -205,7 +219,8 @@ class QuasiStaticModel:
         Raises
         ------
         InvalidInput
-            For a contact that does not exist or a push that points away.
+            For a contact that does not exist, a push that points away, and a bound that is not
+            positive.
         UnsupportedContact
             Where the rod would slide without bound or nothing goes on.
         ConvergenceError
@@ -240,6 +255,8 @@ class QuasiStaticModel:
 
         Raises
         ------
+        InvalidInput
+            For way-points that are no places, and a bound that is not positive.
         UnsupportedContact
             Where no spin balances the torque of the ring.
 
@@ -286,6 +303,7 @@ class QuasiStaticModel:
         """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object
         do not fit.
         """
+        require_kind("reset", reset, DragBack)
         pushed = self.push_strokes(Pose(), push)
         dragged = self.drag_strokes((*reset.way_points, _TARGET), reset.pin_friction_radius)
         return replace(
@@ -301,6 +319,8 @@ class QuasiStaticModel:
         """Return what the engine is asked for in a push from a pose; raises as `push` where they do
         not fit.
         """
+        require_kind("pose", pose, Pose)
+        require_kind("push", push, SidePush, WorldPush)
         if isinstance(push, WorldPush):
             return self._from_afar(pose, push)
         outline = _scaled(self.slider.outline, 1.0 / self.unit)
@@ -352,17 +372,16 @@ class QuasiStaticModel:
     ) -> Strokes:
         """Return what the engine is asked for in a drag through way-points (m, world frame)."""
         radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
-        places = [
-            (finite_number("way-point x", x), finite_number("way-point y", y))
-            for x, y in way_points
-        ]
-        goals = tuple((x / self.unit, y / self.unit) for x, y in places)
+        goals = tuple((x / self.unit, y / self.unit) for x, y in places_of(way_points))
         return replace(self._still, goals=goals, pin_friction=radius)
 
     def course(self, strokes: Strokes, pose: Pose, longest_step: float = math.inf) -> Course:
         """Return strokes of this model from a pose, as `run_strokes` takes them; `longest_step` in
-        m.
+        m. Raises InvalidInput where that is not positive.
         """
+        require_kind("pose", pose, Pose)
+        if longest_step != math.inf:
+            positive_number("longest_step", longest_step)
         place = (pose.x / self.unit, pose.y / self.unit, pose.theta)
         return Course(strokes, place, self.unit, self.weight, self.scale, longest_step / self.unit)
 
@@ -453,7 +472,6 @@ def refusal(status: int, strokes: Strokes) -> BaseException:
 _patch = lru_cache(maxsize=256)(PatchFootprint)
 
 
-@lru_cache(maxsize=256)
 def _reach(pressure: Footprint, slider: Slider) -> float:
     """How far a footprint reaches from the object's centroid, m."""
     if isinstance(pressure, PointFootprint):
@@ -464,5 +482,6 @@ def _reach(pressure: Footprint, slider: Slider) -> float:
     return float(np.hypot(*places.T).max())
 
 
+@lru_cache(maxsize=256)
 def _scaled(outline: Outline, factor: float) -> Outline:
     return outline.scaled(factor)

@@ -8,7 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cyclemap.checks import finite_number, non_negative_number, point, positive_number
+from cyclemap.checks import (
+    finite_number,
+    non_negative_number,
+    point,
+    positive_number,
+    require_kind,
+)
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
@@ -128,7 +134,7 @@ class Slider:
                 f"{apart}: give both in the same unit, and the ring's place (hitch) with a new "
                 "outline"
             )
-        if not self.outline.contains(np.asarray(self.hitch)):
+        if not self.outline.contains(self.hitch):
             warnings.warn(
                 f"{apart}: it lies outside; is the ring's place (hitch) meant for it?",
                 DoubtfulInput,
@@ -138,6 +144,7 @@ class Slider:
     @classmethod
     def mit(cls, name: str, hitch: tuple[float, float] = MIT_HITCH) -> "Slider":
         """Return a shape of MIT's push dataset: rect1-3, tri1-3, hex, ellip1-3 (Yu et al. 2016)."""
+        require_kind("slider shape", name, str)
         if name not in _MIT_SHAPES:
             raise unknown_name("slider shape", name, MIT_SHAPE_NAMES)
         outline, mass, inertia = _MIT_SHAPES[name]
@@ -359,5 +366,14 @@ class DragBack:
 
     def __post_init__(self) -> None:
         radius = non_negative_number("pin friction radius", self.pin_friction_radius)
-        points = tuple(point("way-point", place) for place in self.way_points)
-        vars(self).update(pin_friction_radius=radius, way_points=points)
+        vars(self).update(pin_friction_radius=radius, way_points=places_of(self.way_points))
+
+
+def places_of(way_points: object) -> tuple[tuple[float, float], ...]:
+    """Return way-points as pairs of finite floats, m, or raise InvalidInput."""
+    places = list(np.atleast_1d(way_points)) if isinstance(way_points, np.ndarray) else way_points
+    if not isinstance(places, (tuple, list)):
+        raise InvalidInput(
+            f"way-points must be places (x, y), m, such as ((0.05, 0.0),), not {places!r}"
+        )
+    return tuple(point("way-point", place) for place in places)

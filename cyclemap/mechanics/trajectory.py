@@ -1,5 +1,6 @@
 """What a push or a drag comes to, and its whole course in the world, SI units."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.engine.schema import MODES, RECORD
 from cyclemap.mechanics.engine.strokes import Strokes, record
 from cyclemap.mechanics.slider import Pose
@@ -94,7 +95,14 @@ class Course:
 
         Raises ConvergenceError where it cannot follow the motion in steps so short.
         """
-        return record(self.strokes, self.pose, self.longest)
+        try:
+            return record(self.strokes, self.pose, self.longest)
+        except ConvergenceError as cause:
+            if math.isinf(self.longest):
+                raise
+            raise ConvergenceError(
+                f"{cause}, or a longest_step above {self.unit * self.longest:.3g} m"
+            ) from cause
 
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""

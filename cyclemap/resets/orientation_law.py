@@ -32,6 +32,8 @@ from cyclemap.resets.action_cycles import checked_turns
 # Orientations at which densities are compared with uniform, and starts of which the worst is taken.
 DENSITY_SAMPLES = 360
 STARTS = 72
+# The same for the distances that are told.
+_FINE_SAMPLES = 3 * DENSITY_SAMPLES
 _MODES = (24, 48, 96, 192)
 _SAME = 5e-4
 # A block of a shuffled order may pass through so many different sets of actions.
@@ -88,11 +90,16 @@ def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES
     """Return the largest total variation (...) from uniform that an affine map leaves of any known
     start.
     """
+    worst = total_variation(_ends(kernel, starts), samples).max(axis=-1)
+    return np.asarray(np.minimum(worst, 1.0))
+
+
+def _ends(kernel: Array, starts: int) -> Array:
+    """The coefficients (..., starts, 2M) that an affine map leaves of known starts."""
     modes = kernel.shape[-1] // 2
     theta = np.arange(1, modes + 1)[:, None] * even_angles(starts)
     known = np.concatenate([np.cos(theta), -np.sin(theta)])
-    ends = np.swapaxes(kernel[..., :-1, :-1] @ known + kernel[..., :-1, -1:], -1, -2)
-    return np.asarray(np.minimum(total_variation(ends, samples).max(axis=-1), 1.0))
+    return np.swapaxes(kernel[..., :-1, :-1] @ known + kernel[..., :-1, -1:], -1, -2)
 
 
 @lru_cache(maxsize=16)
@@ -119,8 +126,9 @@ class OrientationLaw:
     modes : int
         How many of Fourier.
     error : float
-        How far both may be off for their number, from half as many; nan where that was not
-        looked at.
+        How far both may be off for their number, from half as many, and for the places at which
+        densities are looked at, from a third as many: an estimate; nan where that was not looked
+        at.
     density : ndarray, shape (360,)
         Per rad, at whole degrees.
 
@@ -207,7 +215,7 @@ def orientation_law(
         if modes is None
         else [modes]
     )
-    distances = (math.nan, math.nan)
+    distances = np.full(2, math.nan)
     error = math.nan
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
@@ -216,13 +224,19 @@ def orientation_law(
         whole, rest = divmod(count, len(steps))
         end = np.linalg.matrix_power(steps[-1], whole)
         ended = steps[rest - 1] @ end if rest else end
+        ends = _ends(ended, STARTS)
         before = distances
-        distances = (min(float(total_variation(law)), 1.0), float(farthest(ended)))
-        error = max(abs(distances[0] - before[0]), abs(distances[1] - before[1]))
+        # Not cut at 1, which two sums of too few waves may both exceed.
+        rough, distances = (
+            np.array([total_variation(law, samples), total_variation(ends, samples).max()])
+            for samples in (DENSITY_SAMPLES, _FINE_SAMPLES)
+        )
+        error = float(np.max(np.abs(distances - before) + np.abs(distances - rough)))
         if error <= _SAME:
             break
     density = (1.0 + law @ _waves(size, DENSITY_SAMPLES)) / TWO_PI
-    return OrientationLaw(*distances, count, size, error, density)
+    overall, after = np.minimum(distances, 1.0).tolist()
+    return OrientationLaw(overall, after, count, size, error, density)
 
 
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float) -> float:

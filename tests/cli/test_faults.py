@@ -124,6 +124,11 @@ BAD_USES = [
     (["watch", "bad.csv", "--alarm-rate", "0"], "--alarm-rate"),
     (["watch", "bad.csv", "--alarm-rate", "nan"], "nan is in no range"),
     (["watch", "bad.csv", "--every", "0"], "--every"),
+    (["watch", "measured.csv", "--every", "2"], "--every 2: only --follow looks again"),
+    (
+        ["reset", "plywood", "--likely", "pu", "--axes-percent", "60"],
+        "--likely takes the place of --axes-percent",
+    ),
     *(([*FOLLOW, wait], "0.01<=x<=86400") for wait in ("inf", "1e12", "86400.1", "0.001", "-1")),
     ([*FOLLOW, "nan"], "nan is in no range"),
     (["watch", "bad.csv", "--columns", "yaw"], "is not of the form theta0=yaw"),

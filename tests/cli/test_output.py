@@ -137,6 +137,9 @@ def test_quiet_says_nothing_and_does_the_same(here, capsys) -> None:
     assert (here / "out" / "fingerprint_plywood.png").is_file()
     assert run(["cycle", "plywood", "--theta0-deg", "0", "--quiet", "--json", "-"]) == 0
     assert '"cycles"' in capsys.readouterr().out
+    (here / "own.csv").write_text("yaw_deg\n" + "".join(f"{31 * n % 360}\n" for n in range(20)))
+    assert run(["watch", "own.csv", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
     assert run(["cycle", "no-such-material", "--quiet"]) == 2
     assert capsys.readouterr().err.startswith("error: ")
 

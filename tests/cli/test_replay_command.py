@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
+from cyclemap.mechanics import (
+    EllipseFriction,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    Slider,
+    WorldPush,
+)
 
 OFF_MM = (1.0, 3.0)
 
@@ -88,3 +96,31 @@ def test_data_without_a_push_are_a_failure(data, refused) -> None:
     refused(
         ["replay", "isotropic", "--data", str(data / "cut.json")], "no push could be replayed", 1
     )
+
+
+def test_a_table_without_names_of_objects_is_asked_for_its_convention(here, capsys) -> None:
+    """Clockwise angles are refused with what to say, and that gives what the right ones give."""
+    plate = Slider(Polygon(((0.05, 0.04), (-0.05, 0.04), (-0.05, -0.04), (0.05, -0.04))))
+    model = QuasiStaticModel(plate, EllipseFriction.isotropic(0.25), Pusher(friction=0.25))
+    ends = ("x0", "y0", "theta0", "x1", "y1", "theta1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
+    for name, sense in (("right", 1.0), ("clockwise", -1.0)):
+        lines = [",".join(ends)]
+        for theta in np.linspace(0.1, 6.0, 30):
+            start = Pose(0.0, 0.0, float(theta))
+            place, way = start.to_world(0.012, 0.06), theta - math.pi / 2
+            end = model.push(start, WorldPush(place, way, 0.05)).end
+            tip = [place[0] + 0.05 * math.cos(way), place[1] + 0.05 * math.sin(way)]
+            poses = [0.0, 0.0, sense * theta, end.x, end.y, sense * end.theta]
+            lines.append(",".join(f"{value:.9f}" for value in (*poses, *place, *tip)))
+        (here / f"{name}.csv").write_text("\n".join(lines))
+    assert run(["init", "box.toml", "--rectangle-mm", "100,80", "--quiet"]) == 0
+    words = ["replay", "isotropic", "--protocol", "box.toml", "--pusher-friction", "0.25"]
+    words += ["--json", "-", "--data"]
+    assert run([*words, "right.csv"]) == 0
+    right = json.loads(capsys.readouterr().out)
+    assert right["pushes"] == 30 and right["mean_error_mm"] < 0.01
+    assert run([*words, "clockwise.csv"]) == 2
+    assert "--angles clockwise" in capsys.readouterr().err
+    assert run([*words, "clockwise.csv", "--angles", "clockwise"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["mean_error_mm"] == pytest.approx(right["mean_error_mm"], abs=1e-3)

@@ -140,6 +140,9 @@ def test_batches_that_cannot_be_are_refused_and_progress_reaches_one_in_even_ste
     loop, told = CollectionLoop.mit(), []
     refused(batch_experiment, loop, batches=0, told="batches")
     refused(run_batches, loop, [0.0], cycles=0, told="cycles")
+    for size in ({"batches": 2, "cycles": 10**13}, {"batches": 10**13, "cycles": 1}):
+        refused(batch_experiment, loop, told="run fewer batches or cycles", **size)
+    refused(run_batches, loop, [0.0], cycles=10**13, told="run fewer batches or cycles")
     for run in (batch_experiment, lambda loop: run_batches(loop, [0.0])):
         refused(run, "plywood", told=r"CollectionLoop\.mit.*not 'plywood'")
     refused(run_batches, loop, [], told="at least one orientation")

@@ -112,6 +112,7 @@ def test_way_points_and_pin_friction_of_the_reset_are_followed():
 def test_what_it_cannot_run_is_refused_by_name():
     loop = CollectionLoop.mit()
     refused(DynamicLoop(loop).cycle, math.nan, told="theta")
+    refused(DynamicLoop(loop).cycle, 0.0, samples=10**12, told="keep fewer samples")
     refused(DynamicLoop, loop, speed=-0.02, told="speed must be positive")
     for name in ("speed", "stiffness", "regularisation", "tolerance"):
         refused(DynamicLoop, loop, told=name, **{name: 0.0})

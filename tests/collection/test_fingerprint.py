@@ -3,6 +3,7 @@ refused by name.
 """
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from cyclemap.collection import (
     Anisotropy,
     CollectionLoop,
     Fingerprint,
+    Prediction,
     TurnResponse,
     check_prediction,
     fingerprint,
@@ -263,6 +265,9 @@ def test_what_is_no_surface_no_protocol_or_no_number_is_refused_by_name(plywood,
         told=r"gradient of a turn has shape \(3,\)",
     )
     refused(Anisotropy, -0.1, 0.0, 0.0, 0.0, told="offset must not be negative")
+    refused(Anisotropy.of_components, np.zeros((2, 4)), told="components must have 1 axes")
+    refused(Prediction, 5, flat, told="fingerprint must be a Fingerprint, not 5")
+    refused(Prediction, FOUND, 5, told="anisotropy must be an Anisotropy, not 5")
     fixed = loop_from_settings({"way_points_mm": [[0.0, 50.0]]})
     refused(fingerprint, fixed, told="way-points of the reset.*fixed in the world.*way_points_mm")
     coarse, near = replace(plywood, accuracy=1e-5), first_order_lock_in(mit.cycle, flat)
@@ -287,6 +292,20 @@ def test_what_is_no_surface_no_protocol_or_no_number_is_refused_by_name(plywood,
         for seen in ("abc", math.nan, [0.1, 0.0, 0.0], [0.1, 0.0, math.nan, 0.0]):
             refused(law, seen, told="seen must")
     refused(lock_in_boundary, RESPONSE, 0.0, 0.0, "abc", told="shares must")
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e200])
+def test_the_mean_friction_drops_out_however_small_or_large(size) -> None:
+    seen = Anisotropy.of(EllipseFriction(2.0 * size, size, m0=size))
+    usual = Anisotropy.of(EllipseFriction(0.2, 0.1, m0=0.1))
+    assert seen.offset == pytest.approx(usual.offset, rel=1e-14)
+    assert seen.ellipticity == pytest.approx(usual.ellipticity, rel=1e-12)
+
+
+def test_a_prediction_that_was_asked_comes_back_from_a_pickle() -> None:
+    prediction = predict(FOUND, Anisotropy(0.02, 0.0, 0.02, 0.0))
+    mean_turn = prediction.mean_turn
+    assert pickle.loads(pickle.dumps(prediction)).mean_turn == mean_turn
 
 
 @pytest.mark.parametrize("ellipticity", [0.0, 0.3, MOST_ELLIPTICITY])

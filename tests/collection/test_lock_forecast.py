@@ -98,6 +98,7 @@ def test_portraits_and_staircases_tell_it_where_there_are_samples() -> None:
 
 def test_what_cannot_be_foretold_is_refused() -> None:
     refused(sampled_turns, cm.CollectionLoop.mit("plywood"), told="plywood has no samples")
+    refused(sampled_turns, 5, told="loop must be a CollectionLoop.*, not 5")
     turns = sampled_turns(on_samples(TURNS, TURNS))
     refused(forecast_from_turns, turns, SIGMA, 20, told="at least 50, not 20")
     refused(forecast_from_turns, turns, SIGMA, 10**6, told="forecast fewer pushes")

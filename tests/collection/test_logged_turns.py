@@ -115,3 +115,12 @@ def test_what_makes_no_sense_is_refused() -> None:
     refused(turns_after_log, rows, [0.0, math.nan], SIGMA, 50, told="path")
     refused(turns_after_log, rows, [0.0, 1.0], -1.0, 50, told="sigma")
     refused(turns_after_log, rows, [0.0, 1.0], SIGMA, 0, told="pushes ahead")
+    refused(turns_after_log, rows, [0.0, 1.0], SIGMA, 50, draws=10**12, told="fewer draws")
+    for path in (0.0, [[0.0, 1.0], [0.0, 1.0]]):
+        refused(turns_after_log, rows, path, SIGMA, 50, told="path must have 1 axes")
+    refused(turns_after_log, rows[:0], [0.0], SIGMA, 50, told="turns must be .samples, nodes.")
+    for turns in (rows[0], rows[:0], rows[:, :1]):
+        refused(sampled_paths, turns, SIGMA, 50, told="turns must be .samples, nodes.")
+    refused(sampled_paths, rows + math.nan, SIGMA, 50, told="turns must be finite")
+    refused(sampled_paths, rows, SIGMA, 50, change=rows[:1], told="change must have the shape of")
+    refused(sampled_paths, rows, SIGMA, 50, change=rows + math.nan, told="change must be finite")

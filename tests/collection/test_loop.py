@@ -47,6 +47,17 @@ def test_values_that_fit_no_loop_are_refused():
     refused(MIT.sensitivity, 0.0, ("theta", "mu_c"), told="unknown parameter 'mu_c'")
     refused(replace(MIT, push=SidePush(side=7)).cycle, 0.0, told="sides 0 to 3")
     refused(CollectionLoop.mit, "plywod", told="did you mean 'plywood'")
+    for name in ("slider", "material", "pusher", "push", "reset", "footprint"):
+        refused(replace, MIT, told=f"{name} must be a .*, not 5", **{name: 5})
+    refused(CollectionLoop.mit, "plywood", push=5, told="push must be a SidePush, not 5")
+    refused(CollectionLoop.mit, "plywood", slider=5, told="slider must be a Slider, not 5")
+    refused(MIT.with_material, 5, told="material must be a Material, not 5")
+    for names in (5, "theta"):
+        refused(MIT.sensitivity, 0.0, names, told="parameters must be a tuple or a list, not")
+    refused(MIT.sensitivity, 0.0, (5,), told="unknown parameter 5")
+    cycles = MIT.cycles([[0.0, 1.0]])
+    refused(cycles.to_dataset, "a", "a", told="'a', 'a'. must differ: give each axis its own")
+    refused(cycles.to_dataset, "a", 5, told="name of an axis must be a str, not 5")
     refused(MIT.next_theta, [0.0, float("inf")], told="finite")
     refused(WorldPush, (0.0, 0.0), 0.0, -1.0)
 
@@ -131,6 +142,9 @@ def test_what_is_no_batch_is_refused():
     """A cycle's refusal is told as that of the cycle, with the number of its loop."""
     for loops, theta, told in (
         ([MIT, "plywood"], [0.0], "must be a CollectionLoop, such as .*, not 'plywood'"),
+        (MIT, [0.0], "loops must be a sequence, such as .*, not Collection"),
+        (iter([MIT]), [0.0], "loops must be a sequence"),
+        (5, [0.0], "loops must be a sequence, such as .*, not 5"),
         ([MIT], 0.0, r"shape \(n,\) for all loops or \(1, n\), one row a loop, not \(\)"),
         ([MIT, MIT], np.zeros((3, 2)), r"or \(2, n\), one row a loop, not \(3, 2\)"),
         ([MIT], [math.nan], "theta must be finite"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.collection import CollectionLoop, drifting_map, worn_loop
+from cyclemap.collection import CollectionLoop, drifting_map, on_material, worn_loop
 from cyclemap.mechanics import EllipseFriction, Material, Wear
 
 FRESH, WORN = EllipseFriction(0.25, 0.25), EllipseFriction(0.33, 0.2, 0.05, 0.0, 0.3)
@@ -31,3 +31,10 @@ def test_a_surface_that_does_not_wear_has_no_drifting_map_and_stays_as_it_is() -
     assert worn_loop(still, 1e4) is still
     refused(drifting_map, still, 10, told="plywood does not wear")
     refused(drifting_map, LOOP, 0, told="cycles must be at least 1")
+
+
+@pytest.mark.parametrize("make", [drifting_map, worn_loop, on_material])
+def test_what_is_no_loop_and_no_material_is_refused(make) -> None:
+    refused(make, 5, 5, told=r"loop must be a CollectionLoop, such as .*, not 5")
+    refused(on_material, LOOP, 5, told="material must be a Material, not 5")
+    refused(worn_loop, LOOP, -5.0, told="cycles must not be negative, not -5.0")

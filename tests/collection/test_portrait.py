@@ -179,3 +179,5 @@ def test_nonsense_is_refused(loop_of) -> None:
         refused(portrait, loop, sigma=sigma, told="sigma")
     refused(portrait, loop, cycles=0, told="cycles")
     refused(staircase_forecast, loop, sigma=0.0, told="sigma")
+    for asked in (portrait, staircase_forecast):
+        refused(asked, 5, told="loop must be a CollectionLoop.*, not 5")

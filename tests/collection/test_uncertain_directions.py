@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.loop_surfaces import on_material
@@ -134,6 +135,10 @@ def test_shapes_that_are_the_materials_but_for_an_objects_weight_vary_with_its_s
         expected = replace(loop, footprint=None).with_material(sample).footprint
         assert on_material(loop, loop.material.sample(number)).footprint.is_near(expected)
         assert not expected.is_near(loop.footprint)
+
+
+def test_what_is_no_loop_is_refused() -> None:
+    refused(direction_uncertainty, 5, told="loop must be a CollectionLoop.*, not 5")
 
 
 def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance() -> None:

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from two_contact_reference import wrench_on_points
 
-from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.mechanics import (
     MIT_SHAPE_NAMES,
     DragBack,
@@ -23,6 +23,7 @@ from cyclemap.mechanics import (
     PatchFootprint,
     Pose,
     QuasiStaticModel,
+    SidePush,
     Slider,
     grid_footprint,
     load_material,
@@ -79,10 +80,30 @@ def test_a_ring_that_is_already_there_moves_nothing():
 
 
 def test_way_points_and_radii_that_are_no_numbers_are_refused():
-    refused(MODEL.drag, Pose(), ((math.nan, 0.0),), told="way-point x")
+    for way_points, told in (
+        *((bad, "way-points must be places") for bad in (5, None, "ab")),
+        *(
+            ((place,), "way-point must be two finite numbers, not")
+            for place in ((math.nan, 0.0), (1, 2, 3), 0.05)
+        ),
+    ):
+        refused(MODEL.drag, Pose(), way_points, told=told)
     for bad in (-0.001, math.nan, "rough"):
         refused(DragBack, pin_friction_radius=bad, told=str(bad))
         refused(MODEL.drag, Pose(), ((0.1, 0.0),), pin_friction_radius=bad, told=str(bad))
+
+
+def test_steps_that_are_none_are_refused_where_they_are_given_and_those_too_short_are_told():
+    for step in (math.nan, 0.0, -1.0, "short", True):
+        for stroke, values in (
+            (MODEL.push, (Pose(), SidePush())),
+            (MODEL.drag, (Pose(), ((0.05, 0.0),))),
+            (MODEL.cycle, (0.0, SidePush(), DragBack())),
+        ):
+            refused(stroke, *values, longest_step=step, told="longest_step must be")
+    push = MODEL.push(Pose(), SidePush(), longest_step=1e-8)
+    refused(lambda: push.trajectory, told="a longest_step above 1e-08 m", kind=ConvergenceError)
+    refused(MODEL.cycle, 0.0, SidePush(), 5, told="reset must be a DragBack, not 5")
 
 
 def brute_force_spin(law, points, hitch, direction, theta, radius):

@@ -28,6 +28,7 @@ from cyclemap.mechanics import (
     SidePush,
     Slider,
     SurfaceShape,
+    WorldPush,
     dynamic_model,
     grid_footprint,
     load_material,
@@ -166,6 +167,7 @@ def test_a_drag_through_way_points_ends_with_the_ring_at_the_last():
 def test_numbers_and_strokes_that_make_no_sense_are_refused_by_name():
     for changes, told in (
         ({"speed": 0.0}, "speed must be positive"),
+        ({"speed": 1e300}, "speed 1e[+]300 m/s is that of no rod: choose at most 1000"),
         ({"stiffness": -1.0}, "stiffness must be positive"),
         ({"stiffness": 1e3}, "would sink"),
         ({"damping": math.nan}, "damping must be a finite"),
@@ -184,6 +186,10 @@ def test_numbers_and_strokes_that_make_no_sense_are_refused_by_name():
     )
     refused(model().push, Pose(), SidePush(side=7), told="side 7")
     refused(model().push, Pose(), SHORT, samples=0, told="samples")
+    for stroke, given in ((model().push, SHORT), (model().drag, ((0.0, 0.0),))):
+        refused(stroke, Pose(), given, samples=10**12, told="keep fewer samples")
+    afar = WorldPush((0.0, 0.06), -1.57, 0.1)
+    refused(model().push, Pose(), afar, told="must be a SidePush, not WorldPush")
     for way_points, told in (
         ((SQUARE.hitch,), "nothing to drag"),
         (((math.nan, 0.0),), "way-point"),

@@ -88,6 +88,15 @@ def test_files_words_points_and_grids_that_carry_no_object_are_refused(tmp_path)
     refused(PointFootprint, pair[:1], (1,))
     for positions in (((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 0))):
         refused(PointFootprint, positions, (1, 1))
+    disc = Ellipse(1.0, 1.0)
+    for make, values, told in (
+        (PatchFootprint, ("x",), "outline of a footprint must be a Polygon or an Ellipse, not 'x'"),
+        (grid_footprint, ("a", 8), "outline of a footprint must be a Polygon"),
+        (corner_footprint, (disc,), "on corners must be a Polygon, not Ellipse"),
+        (parse_footprint, (5, SQUARE), "word for a footprint must be a str, not 5"),
+        (parse_footprint, ("exact", 5), "outline of a footprint must be a Polygon"),
+    ):
+        refused(make, *values, told=told)
     for count in (1, 0, -3, 2.5, True):
         refused(grid_footprint, SQUARE, count, told="points a side of a grid footprint")
 

@@ -427,6 +427,13 @@ def test_derivatives_by_shapes_that_a_footprint_does_not_have_are_nan():
         (lambda: PressedFootprint(SQUARE, centre=(0.09, 0.0)), "tip"),
         (lambda: PressedFootprint(SQUARE, centre=(math.nan, 0.0)), "centre of mass"),
         (lambda: PressedFootprint(grid_footprint(SQUARE, 8)), "support points"),
+        (lambda: PressedFootprint(SQUARE, plate=3), "plate must be a SurfaceShape, not 3"),
+        (lambda: PressedFootprint(SQUARE, floor=None), "floor must be a SurfaceShape, not None"),
+        (lambda: PressedFootprint(SQUARE, field=3), "must be a FloorField or None, not 3"),
+        (
+            lambda: resting_pressure(PatchFootprint(SQUARE), 0.0, (0.0, 0.0)),
+            "footprint must be a PressedFootprint, not Patch",
+        ),
         (lambda: pressure_points(PressedFootprint(SQUARE), 8), "changes as the object turns"),
         (
             lambda: cm.protocol.loop_from_settings({"rim_share": 0.1}, on(floor=TROUGH)),

@@ -9,6 +9,7 @@ import pytest
 from refusals import refused
 
 from cyclemap.mechanics import (
+    Ellipse,
     EllipseFriction,
     LimitSurface,
     Material,
@@ -72,13 +73,33 @@ def test_what_is_no_law_no_velocity_and_no_wear_is_refused_by_name():
     ):
         refused(EllipseFriction, *values, told=told)
     refused(FRESH.traction, [[1.0, 0.0], [0.0, 0.0]], told="zero")
-    for velocity, told in (([1.0, 2.0, 3.0], "shape"), ([1.0, math.nan], "finite")):
+    for velocity, told in (
+        ([1.0, 2.0, 3.0], "shape"),
+        ([1.0, math.nan], "finite"),
+        ("a", "velocities must hold numbers only"),
+    ):
         refused(FRESH.dissipation, velocity, told=told)
+    patch = PatchFootprint(Ellipse(1.0, 1.0))
+    whole = LimitSurface(patch, FRESH)
+    for power, motion in (
+        (FRESH.dissipation, [1.0, 0.0]),
+        (FRESH.traction, [1.0, 0.0]),
+        (whole.dissipation, [1.0, 0.0, 0.0]),
+    ):
+        for frame in (math.nan, "a"):
+            refused(power, motion, frame=frame, told="frame must be a finite number")
+    refused(LimitSurface, 3, FRESH, told="footprint must be a PatchFootprint or .*, not 3")
+    refused(LimitSurface, patch, 4, told="friction must be an EllipseFriction, not 4")
+    refused(worn_friction, FRESH, None, 0.5, told="friction must be an EllipseFriction, not None")
     for share in (-0.1, 1.1, math.nan):
         refused(worn_friction, FRESH, WORN, share, told="share of wear")
     back = ((100.0, 0.5), (50.0, 0.6)), ((100.0, 0.5), (200.0, 0.4))
     for course in (*back, ((1000.0, 0.5),), ((10.0, 1.5),), ((0.0, 0.1),)):
         refused(Wear, WORN, 1000.0, course, told="must be pairs")
+    for course in (5, True, (10.0, 0.5), (((10.0, 0.5),),), ((),)):
+        refused(Wear, WORN, 1000.0, course, told="course of wear must have")
+    refused(Wear, None, 1000.0, told="worn surface must be an EllipseFriction, not None")
+    refused(Wear, WORN, 1000.0, floor=3, told="worn surface must be a SurfaceShape or None, not 3")
 
 
 @pytest.mark.parametrize("worn", NAMES)
@@ -119,8 +140,9 @@ def test_no_path_between_two_laws_leaves_the_laws():
 def test_a_course_says_when_the_way_is_gone_and_leaves_the_way_itself():
     even, early = Wear(WORN, 1000.0), Wear(WORN, 1000.0, ((100.0, 0.5), (600.0, 0.5)))
     assert [
-        early.share(n) for n in (-5.0, 0.0, 50.0, 100.0, 300.0, 600.0, 800.0, 1000.0, 2000.0)
-    ] == pytest.approx([0.0, 0.0, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0, 1.0])
+        early.share(n) for n in (0.0, 50.0, 100.0, 300.0, 600.0, 800.0, 1000.0, 2000.0)
+    ] == pytest.approx([0.0, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0, 1.0])
+    refused(early.share, -5.0, told="cycles must not be negative, not -5.0")
     slow, fast = (Material("floor", FRESH, wear=wear) for wear in (even, early))
     assert fast.friction_after(50.0) == slow.friction_after(250.0)
     assert fast.friction_after(2000.0) == WORN and fast.friction_after(0.0) == FRESH

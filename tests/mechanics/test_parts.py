@@ -15,6 +15,7 @@ from cyclemap.mechanics import (
     MIT_SHAPE_NAMES,
     CycleNoise,
     DragBack,
+    DynamicModel,
     Ellipse,
     EllipseFriction,
     FoundWith,
@@ -75,6 +76,15 @@ def test_outlines_sliders_rods_and_protocols_that_cannot_be_are_refused():
         (WorldPush, ("here", 0.0, 1.0), "start"),
         (Pose, (0.0, 0.0, NAN), "theta"),
         (DragBack, (((0.0, 1.0, 2.0),),), "way-point"),
+        (DragBack, (5,), "way-points must be places"),
+        (DragBack, (None,), "way-points must be places"),
+        (DragBack, (np.array(5.0),), "way-point must be two finite numbers"),
+        (Slider.mit, (5,), "slider shape must be a str, not 5"),
+        (Ellipse, (1e-200, 1e-200), "1e-200 m is that of no object: give it in metres"),
+        (Ellipse, (1.0, 1e200), "1e\\+200 m is that of no object"),
+        (Polygon, (np.multiply(SQUARE, 1e-200),), "1e-200 m is that of no object"),
+        (outline.contains, ([(0.5, NAN)],), "points must be finite"),
+        (outline.contains, ([0.5],), "points must have shape"),
     ):
         refused(call, *values, told=told)
     refused(Slider, outline, inertia=0.0, told="inertia")
@@ -85,6 +95,25 @@ def test_outlines_sliders_rods_and_protocols_that_cannot_be_are_refused():
         accuracy=1e-13,
         told="accuracy",
     )
+
+
+def test_places_are_asked_of_outlines_in_lists_as_in_arrays():
+    for outline in (Polygon(SQUARE), Ellipse(1.0, 2.0)):
+        inside = outline.contains([(0.5, 0.5), (1.5, 0.5)])
+        assert inside.tolist() == [True, False]
+        assert np.array_equal(outline.contains(np.array([(0.5, 0.5), (1.5, 0.5)])), inside)
+
+
+@pytest.mark.parametrize("kind", [QuasiStaticModel, DynamicModel])
+def test_parts_of_a_model_and_strokes_that_are_none_are_refused(kind):
+    model = kind(Slider.mit("rect1"), EllipseFriction.isotropic(0.2))
+    for name in ("slider", "friction", "pusher"):
+        for value in (3, None):
+            refused(replace, model, told=f"{name} must be an? .*, not {value}", **{name: value})
+    refused(replace, model, footprint=3, told="footprint")
+    refused(model.push, None, SidePush(), told="pose must be a Pose, not None")
+    refused(model.push, Pose(), 5, told="push.* must be a SidePush.*, not 5")
+    refused(model.drag, None, ((0.05, 0.0),), told="pose must be a Pose, not None")
 
 
 def test_area_and_centroid_of_a_polygon_move_with_it_exactly():
@@ -127,6 +156,49 @@ def test_table_one_is_plywood_and_unknown_materials_are_told():
     refused(load_material, "plywod", told="did you mean 'plywood'")
 
 
+WORN_TABLE = """
+[friction]
+mu_a = 0.3
+mu_b = 0.3
+[worn]
+cycles = 100
+mu_a = 0.3
+mu_b = 0.3"""
+
+
+def test_parts_of_a_material_that_are_none_are_refused_by_name():
+    law = EllipseFriction.isotropic(0.25)
+    for name, value in (
+        ("name", 5),
+        ("friction", 5),
+        ("found_with", None),
+        ("wear", 5),
+        ("posterior", 5),
+        ("noise", 5),
+        ("floor", None),
+        ("field", 5),
+        ("plates", 5),
+        ("plates", (5,)),
+        ("frames", "ab"),
+        ("sessions", (5,)),
+    ):
+        told = rf"{name} of a material must be a.*, not "
+        refused(replace, Material("a", law), told=told, **{name: value})
+    row = ((0.1,), (0.2,))
+    for call, values, told in (
+        (PlatePressure, (5,), "name of a plate must be a str, not 5"),
+        (PlatePressure, ("a", 0.0, 0.0, 0.0, 3), "shape of a must be a SurfaceShape, not 3"),
+        (FoundWith, (NAN,), "pusher friction must be a finite number, not nan"),
+        (FoundWith, (0.1, "x"), "pin friction radius must be a finite number, not 'x'"),
+        (FoundWith, (-0.1,), "pusher friction must not be negative"),
+        (MaterialPosterior, (("mu_a",), 5), "samples of a posterior must be a tuple"),
+        (MaterialPosterior, (5, row), "parameters of a posterior must be a tuple"),
+        (MaterialPosterior, ((5,), row), "a parameter of a posterior must be a str, not 5"),
+        (MaterialPosterior, (("mu_a",), ((True,), (0.2,))), "sample 0 must be a finite number"),
+    ):
+        refused(call, *values, told=told)
+
+
 def test_a_bad_or_absent_material_file_is_told_by_name(tmp_path):
     path = tmp_path / "bad.toml"
     refused(load_material, path, told="no such", kind=DataFileError)
@@ -140,6 +212,13 @@ def test_a_bad_or_absent_material_file_is_told_by_name(tmp_path):
         ("[friction]\nmu_b = 0.3\nmu_a = nan", "nan"),
         ("[friction\nmu_a = 0.3", "not TOML"),
         ("name = 'x'", "needs a table"),
+        *((f"{WORN_TABLE}\ncourse = {course}", "course of wear") for course in ("5", "true")),
+        (f"{WORN_TABLE}\n[found_with]\npusher_mu = -1", "pusher_mu must not be negative"),
+        (f"{WORN_TABLE}\n[found_with]\npin_friction_mm = -1", "pin_friction_mm must not be neg"),
+        (
+            f"{WORN_TABLE}\n[posterior]\nparameters = ['mu_a']\nsamples = [[true], [0.2]]",
+            "mu_a of posterior sample 0 must be a finite number, not True",
+        ),
     ):
         path.write_text(text)
         refused(load_material, path, told=rf"bad\.toml.*{told}", kind=DataFileError)

@@ -837,12 +837,12 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("np.exp(-0.5 * (orders * sigma) ** 2)", "np.exp(-(orders * sigma) ** 2)"),
             ("ended = steps[rest - 1] @ end if rest else end", "ended = end"),
             (
-                "total_variation(ends, samples).max(axis=-1), 1.0)",
-                "total_variation(ends, samples).min(axis=-1), 1.0)",
+                "total_variation(ends, samples).max()])",
+                "total_variation(ends, samples).min()])",
             ),
             (
-                "error = max(abs(distances[0] - before[0]), abs(distances[1] - before[1]))",
-                "error = 0.0",
+                "np.max(np.abs(distances - before) + np.abs(distances - rough))",
+                "np.max(np.abs(distances - rough))",
             ),
             ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
         ],

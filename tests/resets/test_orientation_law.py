@@ -129,3 +129,17 @@ def test_blocks_too_long_to_average_over_are_refused() -> None:
     refused(
         orientation_law, np.zeros((12, 96)), many, 0.1, told="passes through 4096 sets of actions"
     )
+
+
+@pytest.mark.parametrize("sigma", [0.3, 0.05, 0.03, 0.02, 0.01])
+def test_the_error_holds_the_operators_distance_down_to_noise_that_192_waves_do_not_resolve(
+    sigma: float,
+) -> None:
+    """Two sums of too few waves both exceed 1, and are not the same for that."""
+    theta = 2.0 * math.pi * np.arange(1024) / 1024
+    for shift, bend in ((0.6, 0.9), (0.3, 0.5), (0.9, 1.2)):
+        law = orientation_law((shift - bend * np.sin(theta))[None], ONE, sigma, pushes=10)
+        sine = cm.CircleMap(lambda x, a=shift, b=bend: x + a - b * np.sin(x))
+        exact = cm.transfer_operator(sine, cm.WrappedNormal(sigma)).tv_from_uniform
+        assert abs(law.total_variation - exact) <= law.error
+        assert law.error < 5e-4 or law.modes == 192

@@ -78,6 +78,16 @@ def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
     assert gaps == pytest.approx(1.0 - np.exp(-0.5 * np.radians([10.0, 20.0, 40.0]) ** 2), abs=1e-6)
 
 
+def test_a_gap_that_is_rounding_is_not_told() -> None:
+    """Of two stable directions that the noise never leaves in a collection's time."""
+    strong = {"mu_a": 0.4, "mu_b": 0.2, "m0": 0.0, "n0": 0.0, "noise_deg": 1.0}
+    plan = SweepPlan.grid(
+        "plywood", {"phi_deg": (150.0,)}, strong, numbers=PortraitNumbers(("stationary",), 1e-3)
+    )
+    values = plan.numbers(plan.point(0)).values
+    assert np.isnan(values["spectral_gap"]) and np.isnan(values["mixing_cycles"])
+
+
 def test_a_loop_that_cannot_be_is_a_stated_refusal() -> None:
     for over, told in (
         ({"fraction": (0.5, 1.5)}, "contact fraction 1.5"),

@@ -4,12 +4,15 @@ read as what is said.
 
 import math
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import TableOptions
+from cyclemap.cli.options import TableOptions, is_quiet
+from cyclemap.cli.output import data_stem
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import UnreadableFile, load_pushes
 from cyclemap.evidence.tables.columns import known_columns, our_names, our_text
@@ -20,7 +23,7 @@ from cyclemap.evidence.tables.planned_table import filled_text
 from cyclemap.evidence.tables.pose_streams import Segments, UnclearStream
 from cyclemap.plain_text import key_and_value, number_or_nan
 from cyclemap.protocol.collection_file import data_table
-from cyclemap.text_files import file_stem, read_csv_table, write_whole
+from cyclemap.text_files import read_csv_table, write_whole
 from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import stream_page
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, written
@@ -57,7 +60,7 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     kind = file_kind(data)
     if not (said or table.columns or table.units or kind in (FileKind.PLANNED, FileKind.OTHER)):
         return data
-    stem = file_stem(data.stem)
+    stem = data_stem(data)
     if kind is FileKind.PLANNED:
         if any(vars(table).values()):
             raise InvalidInput(
@@ -101,9 +104,11 @@ def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> li
 
 
 def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
-    """Say it on stderr; on a terminal ask whether a guess is right, InvalidInput where it is
-    not.
+    """Say it on stderr, unless --quiet; on a terminal ask whether a guess is right, InvalidInput
+    where it is not.
     """
+    if is_quiet():
+        return
     for line in words:
         click.echo(line, err=True)
     if (
@@ -170,9 +175,13 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
 
 
 def reasons_of(left_out: Sequence[UnreadableFile]) -> list[str]:
-    """Why files were left out, the first of them by name, the others counted."""
-    named = [f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED]]
-    more = len(left_out) - MOST_NAMED
+    """Why files and rows were left out, the first reasons with their file, the others counted."""
+    reasons = Counter(f"{file.path}: {file.reason}" for file in left_out)
+    named = [
+        reason if count == 1 else f"{reason} ({count} times)"
+        for reason, count in islice(reasons.items(), MOST_NAMED)
+    ]
+    more = len(left_out) - sum(count for _, count in islice(reasons.items(), MOST_NAMED))
     return [*named, f"and {more} more"] if more > 0 else named
 
 

@@ -12,10 +12,10 @@ import click
 
 from cyclemap.cli.collected.readable_data import readable_data, tell_what_was_read
 from cyclemap.cli.commands import AuditOptions, WatchOptions
-from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.options import ResultOptions, is_said
 from cyclemap.cli.output import (
     PeopleConsole,
-    file_stem,
+    data_stem,
     progress_bar,
     publish,
     publish_json,
@@ -75,6 +75,8 @@ def run_watch(asked: WatchOptions) -> None:
     monitor = BiasMonitor(asked.alarm_rate)
     reports = list[BiasReport]()
     if not asked.follow:
+        if is_said("every"):
+            raise InvalidInput(f"--every {asked.every:g}: only --follow looks again; add it")
         news = feed.look(finished=True)
         look_ahead = _ahead_of(asked)
         tell_what_was_read(news.words, news.guessed)
@@ -213,7 +215,7 @@ def _conclude(
         "multiplier": written(rest),
     }
     figure = page.watch_page(monitor, reports, file.name)
-    picture = write_result(as_json, figure, results, f"watch_{file_stem(file.stem)}")
+    picture = write_result(as_json, figure, results, f"watch_{data_stem(file)}")
     if quiet or publish_json(as_json, results.json):
         return
     PeopleConsole().tell(
@@ -264,7 +266,7 @@ def run_audit(asked: AuditOptions) -> None:
         as_json,
         audit_page(audited),
         asked.results,
-        f"audit_{file_stem(data.stem)}",
+        f"audit_{data_stem(data)}",
         audit_headline(audited),
         audit_paragraph(audited),
     )

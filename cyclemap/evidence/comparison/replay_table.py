@@ -281,7 +281,9 @@ def replay_pushes(
         reasons = ", ".join(f"{count} {why}" for why, count in left.items())
         raise InvalidInput(f"{path}: nothing is selected: {reasons}")
     replayer = _Replayer(loop)
-    of_known = pushes.table["object"].isin([*replayer.sliders])
+    names = pushes.table["object"]
+    # Pushes of an object without a name are replayed as the loop's own.
+    of_known = names.isin([*replayer.sliders]) | names.isna()
     check_pushes(replace(pushes, table=pushes.table[of_known]), loop)
     left_out = [*pushes.unreadable]
     left_out += [UnreadableFile(Path(file), _A_SCAN) for file in pushes.scans["path"].unique()]
@@ -329,6 +331,11 @@ class _Replayer:
         name = push["object"]
         if not isinstance(name, str) and is_csv(push["path"]):
             name = self.of_tables
+            if name is None:
+                raise InvalidInput(
+                    "no column says which object was pushed: add one, object, or give the "
+                    "collection file of your own"
+                )
         if not isinstance(name, str):
             raise InvalidInput(
                 "its name does not say which object was pushed: it is not of the MIT layout"

@@ -145,7 +145,8 @@ class TransferOperator:
     p = p (see ``StationaryLaw.error`` for what in them is proved and what measured), and hold for
     every map within ``max_error`` of this one: of the density and its integrals to all orders, of
     the spectrum to second order as far as the eigenvalues found tell, of the diffusion constant as
-    far as the worst map to first order tells (measured).
+    far as the worst map to first order tells (measured). Without noise they say nothing of others:
+    a map beside one that expands may gather all paths in a point.
 
     Examples
     --------

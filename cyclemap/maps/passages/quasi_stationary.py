@@ -99,8 +99,9 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     sums of positive terms, so that small chances keep their digits, and 1 - λ is ν's chance of
     leaving in a cycle, never a difference. ``error_bound``: ten times the difference from other
     nodes, measured, and what the map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of the
-    chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean; or
-    what the maps change that are off by ±ε with the signs of ∂/∂F, where that is more.
+    chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean; and
+    how far from that maps change it that are off by ±ε, as a whole and with the signs of ∂/∂F
+    (measured).
 
     References
     ----------
@@ -143,14 +144,15 @@ def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float,
     shares = rates / total
 
     def change(slope: Array, quantity: Callable[[Array], Array]) -> float:
-        """To first order, or where maps lead that are off by the signs of ``slope``: whichever is
-        more.
+        """To first order, and how far from that maps lead that are off by ±ε, with the signs of
+        ``slope`` or as a whole.
         """
-        moved = [
-            _lasting(chain, chain.images + way * epsilon * np.sign(slope))[1] for way in (-1.0, 1.0)
-        ]
-        far = max(float(np.max(np.abs(quantity(after) - quantity(rates)))) for after in moved)
-        return max(epsilon * float(mass @ np.abs(slope)), far)
+        beyond = []
+        for signs in (np.sign(slope), np.ones_like(slope)):
+            for shift in (-epsilon * signs, epsilon * signs):
+                moved = quantity(_lasting(chain, chain.images + shift)[1]) - quantity(rates)
+                beyond.append(float(np.max(np.abs(np.abs(moved) - abs(mass @ (shift * slope))))))
+        return epsilon * float(mass @ np.abs(slope)) + max(beyond)
 
     of_rate = change(slopes.sum(axis=0), lambda after: after.sum(keepdims=True))
     of_share = change(

@@ -176,6 +176,11 @@ def predict_staircase(
     (['ghost'], 6.283185)
     """
     known = transfer_operator(circle_map, noise) if operator is None else operator
+    if getattr(known, "map", None) is not circle_map or known.noise != noise:
+        raise InvalidInput(
+            f"operator is {operator!r}, which is not that of this map and noise: leave it out, or "
+            "give transfer_operator(circle_map, noise)"
+        )
     require_degree_one(circle_map, "a staircase")
     mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
     turn = circle_map.turn(even_angles(_GRID))

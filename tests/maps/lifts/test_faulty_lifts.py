@@ -109,7 +109,14 @@ def has_hole(x):
 @pytest.mark.parametrize("method", ["__call__", "turn", "derivative", "left", "right"])
 def test_angles_that_are_no_numbers_are_refused(method):
     ask = getattr(CircleMap.arnold(0.1, 0.5), method)
-    for theta in ("a quarter", ["1.0", "x"], [[1.0], [2.0, 3.0]], 10**400):
+    for theta in (
+        "a quarter",
+        "0.3",
+        np.datetime64("2020-01-01"),
+        ["1.0", "x"],
+        [[1.0], [2.0, 3.0]],
+        10**400,
+    ):
         with pytest.raises(InvalidInput, match="theta must hold numbers only"):
             ask(theta)
 

@@ -138,6 +138,18 @@ def test_what_the_map_may_be_off_is_in_the_bounds():
     assert abs(given.rotation_number - true.rotation_number) <= given.rotation_number.error_bound
 
 
+def test_without_noise_nothing_is_said_of_maps_beside_one_that_expands():
+    """A doubling off by as little as you like has a fixed point that gathers all paths, so that E
+    cos θ is 1 instead of 0.
+    """
+    law = transfer_operator(
+        CircleMap(DOUBLING, DOUBLING.derivative, degree=2, max_error=1e-5), None
+    )
+    cosine = law.expectation(np.cos)
+    assert abs(cosine - 1.0) <= cosine.error_bound and abs(law.moment(1) - 1) <= law.moment_error(1)
+    assert law.tv_from_uniform.error_bound >= 1.0 and np.isinf(law.error_bound)
+
+
 def test_maps_that_do_not_expand_are_refused_without_noise():
     for circle_map in (
         CircleMap.arnold(0.1, 0.9),

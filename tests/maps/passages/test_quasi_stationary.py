@@ -118,6 +118,19 @@ def test_bounds_hold_where_a_map_is_off_by_as_much_as_the_noise():
         assert abs(rate.above - other.above) <= rate.above.error_bound
 
 
+@pytest.mark.parametrize("off", [0.05, 0.1, 0.2])
+def test_bounds_hold_where_the_map_turned_as_a_whole_is_the_worst(off):
+    """Not the one off by the signs of what the first order tells."""
+
+    def plain(x):
+        return x + 0.6 - 0.9 * np.sin(x)
+
+    noise, ends = WrappedNormal(0.3), (-0.3, 1.8)
+    claimed = quasi_stationary(CircleMap(plain, max_error=off), noise, ends).escape_rate
+    turned = quasi_stationary(CircleMap(lambda x: plain(x) + off), noise, ends).escape_rate
+    assert 0.9 * claimed.error_bound < abs(turned - claimed) <= claimed.error_bound * (1 + 1e-9)
+
+
 def test_von_mises_noise_never_leaves_further_than_half_a_turn():
     found = quasi_stationary(STICKY, VonMises(10.0), (-0.8, 2.37))
     claimed = CircleMap(STICKY, STICKY.derivative, max_error=1e-6)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -158,6 +159,20 @@ def test_an_attracting_jump_is_a_slow_zone():
     found = predict_staircase(down, WrappedNormal(0.3))
     assert [zone.kind for zone in found.zones] == ["jump"]
     assert found.zones[0].centre == 2.0
+
+
+def test_the_operator_of_another_map_or_noise_is_refused():
+    sticky, noise = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)
+    operators = [
+        transfer_operator(CircleMap.arnold(0.4, 0.2), noise),
+        transfer_operator(sticky, WrappedNormal(1.0)),
+        3,
+    ]
+    for operator in operators:
+        with pytest.raises(InvalidInput, match="not that of this map and noise"):
+            predict_staircase(sticky, noise, operator)
+    own = transfer_operator(sticky, noise)
+    assert predict_staircase(sticky, noise, own) == predict_staircase(sticky, noise, own)
 
 
 def test_a_rotation_has_no_steps():
