@@ -144,7 +144,8 @@ def read_orientations(
     known = table.with_orientation()
     if known.rows.empty and not growing:
         raise DataFileError(f"{path}: no row has an orientation that counts")
-    return known.then(known.rows[["theta0"]], _assumed(False, convention))
+    is_posed = not growing and {*known.rows} >= PLACES
+    return known.then(known.rows[["theta0"]], _assumed(is_posed, convention))
 
 
 def _pushes(
