@@ -1,5 +1,5 @@
 """Where on the object the rod of measured pushes was, and which way it went: by its recorded
-places, where a table tells these and no side and fraction.
+places, where a table tells these and no side and fraction, or such as the rod was far from.
 """
 
 from __future__ import annotations
@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,10 +15,10 @@ import numpy as np
 from cyclemap.arrays import Array, Mask, Whole, shorter_way
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.predicted_strokes import DEEPEST
-from cyclemap.evidence.pushes.measured_strokes import LARGEST_TIP_ERROR, SET_OFF
+from cyclemap.evidence.pushes.measured_strokes import LARGEST_TIP_ERROR, SET_OFF, told_push
 from cyclemap.evidence.tables.columns import RODS
 from cyclemap.mechanics import SidePush
-from cyclemap.mechanics.contact_curve import contact_curve, first_touches, side_place
+from cyclemap.mechanics.contact_curve import contact_curve, first_contact, first_touches, side_place
 from cyclemap.mechanics.outline import Ellipse
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ CONTACT = ("side", "fraction", "angle")
 # scatter by more, in the standard deviation, are a push's own each.
 _APART = (LARGEST_TIP_ERROR, math.radians(5.0))
 _SCATTER = (SET_OFF, math.radians(2.0))
+# Contacts that are told are passed over where the rod is so far from them, m.
+_ELSEWHERE = 0.02
 # Where fewer of the rods touch the object they are in another frame than it.
 _FEWEST_TOUCH = 0.5
 _NO_RODS = "the rod's places are told of other pushes alone"
@@ -47,15 +50,19 @@ def by_contact(
     angle as the rod's places tell them, and in the place of these how far the rod went from its
     first touch on.
 
-    The set stays as it is where its facts tell the contact, where no places are told, and where
-    they are in another frame than the object. Pushes that touch no side are counted by reason.
+    The set stays as it is where its facts tell the contact, and the rod was there, where no places
+    are told, and where they are in another frame than the object. Pushes that touch no side are
+    counted by reason.
     """
     has_rods = rows[["x0", *RODS]].notna().all(axis=1).to_numpy()
-    if rows[[*CONTACT]].notna().all(axis=None) or not has_rods.any():
+    if not has_rods.any():
         return [rows]
     posed = rows[has_rods]
     contacts, touched = _contacts(posed, loop)
     if touched.mean() < _FEWEST_TOUCH:
+        return [rows]
+    told = rows[[*CONTACT]].iloc[0]
+    if told.notna().all() and _off(contacts[touched], told, loop) < _ELSEWHERE:
         return [rows]
     on_side = np.isfinite(contacts).all(axis=1)
     left_out[_NO_RODS] += int(np.sum(~has_rods))
@@ -69,6 +76,19 @@ def by_contact(
             fraction %= 1.0
         sets.append(own.iloc[chosen].assign(side=side, fraction=fraction, angle=angle))
     return sets
+
+
+def _off(contacts: Array, told: pandas.Series, loop: CollectionLoop) -> float:
+    """How far (m, in the median) rods on sides are from where the contact told has them; 0 where
+    none is on a side.
+    """
+    place, _ = first_contact(loop.slider, told_push(loop.push, told, math.nan), loop.pusher.radius)
+    away = []
+    for side, fraction, *_ in contacts[np.isfinite(contacts[:, 0])].tolist():
+        push = replace(loop.push, side=int(side), fraction=fraction % 1.0)
+        own, _ = first_contact(loop.slider, push, loop.pusher.radius)
+        away.append(math.dist(own, place))
+    return float(np.median(away)) if away else 0.0
 
 
 def _contacts(rows: pandas.DataFrame, loop: CollectionLoop) -> tuple[Array, Mask]:

@@ -11,6 +11,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import load_pushes
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import push_agreements
+from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import push_from_contact
 from cyclemap.mechanics import Slider
 
@@ -43,10 +44,10 @@ def row_of(loop, theta, mirror=1.0, aside=0.0) -> str:
 
 @pytest.fixture
 def written(tmp_path):
-    def write(rows):
+    def write(rows, header="", told=""):
         file = tmp_path / "tips.csv"
-        numbered = [f"{number},{row}" for number, row in enumerate(rows)]
-        file.write_text("\n".join([HEADER, *numbered]) + "\n")
+        numbered = [f"{told}{number},{row}" for number, row in enumerate(rows)]
+        file.write_text("\n".join([header + HEADER, *numbered]) + "\n")
         return load_pushes(file)
 
     return write
@@ -141,3 +142,34 @@ def test_a_contact_that_is_the_protocols_in_a_mirror_is_told(loop, written) -> N
     assert any(told in line for line in reading)
     other = written([row_of(pushed(loop, side=1, fraction=0.4), theta) for theta in THETA])
     assert not any("mirrored if they are" in line for line in collection_data(other, loop).reading)
+
+
+def test_a_contact_that_is_told_counts_where_the_rod_was_near_it_and_nowhere_else(
+    loop, written
+) -> None:
+    """A logger writes nought for what it does not know; a robot says where it was sent."""
+    other = pushed(loop, side=1, fraction=0.4)
+    rows = [row_of(other, theta) for theta in THETA]
+    table = written(rows, "i,s,t,", "0,0,0,")
+    assert worst(table, loop) < 1e-8
+    assert collection_data(table, loop).loop.push.side == 1
+    near = written(rows, "i,s,t,", "1,0.45,0,")
+    assert {push.fraction for push in collection_data(near, loop).pushes[0].push} == {0.45}
+
+
+def test_where_no_reading_explains_the_pushes_that_is_said(loop, written) -> None:
+    """Angles clockwise from 37 degrees: two readings that are both far off are not taken for alike,
+    and the options are named.
+    """
+    rows = []
+    for theta in THETA:
+        numbers = [float(number) for number in row_of(loop, theta).split(",")]
+        for column in (2, 5):
+            numbers[column] = math.radians(37.0) - numbers[column]
+        rows.append(",".join(map(str, numbers)))
+    (words, *_) = check_pushes(written(rows), loop)
+    assert "no reading explains them" in words
+    assert "(--offset-deg, --angles, --frame)?" in words
+    assert "cannot tell" not in words
+    (words,) = check_pushes(written([row_of(loop, theta) for theta in THETA]), loop)
+    assert "explains" not in words
