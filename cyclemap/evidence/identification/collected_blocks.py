@@ -20,7 +20,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, usual_beliefs
 from cyclemap.evidence.identification.session_blocks import (
-    ERRORS,
     SessionBlock,
     Taken,
     Wanted,
@@ -44,7 +43,14 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
 )
 from cyclemap.evidence.pushes.push_table import PushTable, table_pushes
-from cyclemap.evidence.tables.columns import ENDS, RODS, Selection, known_columns
+from cyclemap.evidence.tables.columns import (
+    ENDS,
+    FRAMES_AGREE,
+    READ_ERRORS,
+    RODS,
+    Selection,
+    known_columns,
+)
 from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.evidence.tables.data_kinds import (
     CYCLES,
@@ -56,7 +62,6 @@ from cyclemap.evidence.tables.data_kinds import (
     files_of_data,
     recognise,
 )
-from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import MIT_SHAPE_NAMES
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
@@ -149,8 +154,7 @@ def collected_blocks(
         Files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles
         where they are repeated), CSV tables of push ends (and cycles, where a column numbers
         them) with the tip's places or without (then it went as the loop's does, from its first
-        touch on), of drag-backs, of orientations, of
-        wrenches and twists.
+        touch on), of drag-backs, of orientations, of wrenches and twists.
     loop : CollectionLoop
         Who is pushed where, with which rod and ring.
     select : mapping of str to str or float or None, optional
@@ -389,7 +393,7 @@ class _Data:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
         come again.
         """
-        if rows[[FRAMES_AGREE, *ERRORS]].isna().all(axis=None):
+        if rows[[FRAMES_AGREE, *READ_ERRORS]].isna().all(axis=None):
             return
         for row in rows.to_dict("records"):
             readings = tuple(row[name] for name in (*ENDS, *RODS))

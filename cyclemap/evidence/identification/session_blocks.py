@@ -62,9 +62,8 @@ from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
 from cyclemap.evidence.rod_contacts import by_contact
-from cyclemap.evidence.tables.columns import DRAG_ENDS
+from cyclemap.evidence.tables.columns import DRAG_ENDS, FRAMES_AGREE, READ_ERRORS
 from cyclemap.evidence.tables.conventions import convention_of
-from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import Pose
 from cyclemap.progress import Progress, part_of
 
@@ -73,8 +72,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-# How far off readings are.
-ERRORS = ("read_error", "read_turn_error")
 # Cycles that follow each other have errors alike: they form groups of this many, or smaller ones
 # where data are few.
 _LONGEST_GROUP = 25
@@ -409,7 +406,7 @@ def wrench_blocks(rows: pandas.DataFrame, loop: CollectionLoop) -> Taken:
 
 def _read_errors(rows: pandas.DataFrame) -> ReadErrors | None:
     """How far readings are off, m and rad, where a table tells it."""
-    length, angle = rows[[*ERRORS]].max().tolist()
+    length, angle = rows[[*READ_ERRORS]].max().tolist()
     return None if math.isnan(length + angle) else (length, angle)
 
 
