@@ -156,9 +156,10 @@ def contact_words(sets: Sequence[pandas.DataFrame], push: SidePush) -> tuple[str
     listed = others[:_MOST_TOLD]
     more = len(others) - _MOST_TOLD
     listed += [f"{more} contacts more"] if more > 0 else []
+    own = f"side {push.side} at {push.fraction:.3g}, {math.degrees(push.angle):.3g}°"
     return (
-        f"the rod's places tell its contact: {'; '.join(listed)}; the protocol's, side "
-        f"{push.side} at {push.fraction:.3g}, {math.degrees(push.angle):.3g}°, is passed over there",
+        f"the rod's places tell its contact: {'; '.join(listed)}; the protocol's, {own}, is passed "
+        "over there",
     )
 
 
