@@ -206,7 +206,7 @@ ROWS = {
 }
 PARTS_SHARED: dict[str, set[str]] = {
     "maps": {"estimate", "quadrature", "noise", "bounded_noise"},
-    "evidence": {"motion_check", "predicted_strokes"},
+    "evidence": {"motion_check", "predicted_strokes", "rod_contacts"},
 }
 
 

@@ -63,6 +63,8 @@ _WELL = 0.04
 _EXPLAINS = 0.4
 _EXPLAINS_TURNED = 0.25
 _FAR = 0.6
+# Right readings lie nearer than this (m) on any floor.
+_ON_FLOORS = 0.02
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where
 # directions are spread.
 _LEAST_OFFSET = math.radians(20.0)
@@ -245,6 +247,7 @@ class _Looked:
     others that are as good.
 
     by_rod : whether the rod's places tell the contacts, against the sides and fractions told.
+    moved : m, the size of motions; 0 until that is known.
     """
 
     test: _Test
@@ -254,6 +257,7 @@ class _Looked:
     other: _Reading
     twins: list[_Reading]
     by_rod: bool = False
+    moved: float = 0.0
 
     @classmethod
     def at(cls, test: _Test, taken: _Reading, by_rod: bool = False) -> _Looked:
@@ -323,7 +327,7 @@ def _check_motion(
         warnings.warn(line, DoubtfulInput, stacklevel=3)
     elif min(looked.here, looked.best) > max(_FAR * moved, looked.test.lever):
         looked.test.doubt(looked)
-    return looked
+    return replace(looked, moved=moved)
 
 
 def _refusal(looked: _Looked) -> str:
@@ -381,7 +385,12 @@ def _words(looked: _Looked) -> str:
     other = looked.other.convention
     here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
     words = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
-    if looked.best <= looked.here / _BEATEN and other != taken:
+    if min(looked.here, looked.best) > max(_EXPLAINS_TURNED * looked.moved, _ON_FLOORS):
+        words += (
+            f", and no reading explains them ({other.words()}: {best}): are object and push those "
+            "of the data, and angles and axes as they are read (--offset-deg, --angles, --frame)?"
+        )
+    elif _BEATEN * looked.here <= looked.best <= looked.here / _BEATEN and other != taken:
         words += f"; motions cannot tell that from {other.words()} ({best}): that is assumed"
     else:
         words += f", {best} in the next best reading"

@@ -40,7 +40,7 @@ StrokeEnds = tuple[Array, Array, Mask]
 FAILING = 0.05
 # A rod that starts further inside the object than this, m, is in another frame: measured poses
 # overlap by tenths of mm.
-_DEEPEST = 0.04
+DEEPEST = 0.04
 # What moves an object that is pushed, and one that is dragged.
 _RESTING = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES)
 PUSH_NAMES = (*_RESTING, "pusher_friction")
@@ -214,7 +214,7 @@ def _from_first_touch(
     rods = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
     toward = np.array([push.direction for push in pushes]) - theta
     travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, rods, toward)
-    for index in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
+    for index in np.flatnonzero(travel * model.unit < -DEEPEST)[:1].tolist():
         at = pushes[index].tip_start
         pose = pushes[index].start
         raise InvalidInput(

@@ -198,6 +198,20 @@ def side_coordinate(
     )
 
 
+def side_place(
+    outline: Outline, piece: OutlinePiece, coordinate: float
+) -> tuple[int, float, float] | None:
+    """Return the side that a contact is on, at which fraction of it from its start, as
+    `side_coordinate` takes them, and how far that is, of an ellipse on the circle about it; None on
+    a corner.
+    """
+    if isinstance(piece, EllipsePiece):
+        return 0, coordinate / TWO_PI, coordinate * outline.extent
+    if isinstance(piece, CornerPiece) or isinstance(outline, Ellipse):
+        return None
+    return piece.side, coordinate / _raw_side(outline, piece.side).high, coordinate
+
+
 class _Mark(NamedTuple):
     """A place on an untrimmed piece where the curve may end or begin; both marks of a junction
     share its key.

@@ -4,25 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.push_table import PushTable, load_pushes, pushes_in_table
 from cyclemap.evidence.pushes.recordings import PushFacts, PushRecord, push_facts
+from cyclemap.evidence.tables.columns import ENDS
 from cyclemap.evidence.tables.conventions import Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import (
     SUFFIXES,
     FileKind,
     file_kind,
     is_record,
+    tells_orientations_alone,
     tells_radians_alone,
 )
-from cyclemap.evidence.tables.own_tables import read_orientations
+from cyclemap.evidence.tables.own_tables import read_orientations, read_own_table
+from cyclemap.protocol.collection_file import data_table
 from cyclemap.resets.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import UNFINISHED_SUFFIX, csv_table, decoded, read_bytes
 
@@ -85,6 +93,40 @@ def theta0_feed(
         )
     folder = _PushFolder(place if place in homes else homes[0], convention)
     return Theta0Feed(None, folder.read)
+
+
+def check_feed(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    units: Sequence[str] = (),
+    *,
+    loop: CollectionLoop | None = None,
+    **said: Any,
+) -> None:
+    """Test how data that are whole were read against the motions of their pushes, where poses stand
+    before and after these.
+
+    columns, units : as `theta0_feed` takes them. loop : the one that made them, where it is known.
+    said : of the convention, as `load_pushes` takes it.
+
+    Raises OtherConvention where another reading explains the motions far better.
+    """
+    place = Path(path)
+    # What cannot be read as pushes tells no motion: of its orientations the feed has its own word.
+    with suppress(DataFileError):
+        if columns or units or file_kind(place) is FileKind.OTHER:
+            own = read_own_table(place, columns, units, **said)
+            if not {*own.rows} >= {*ENDS}:
+                return
+            rows, _ = pushes_in_table(csv_table(place, own.csv_text()))
+            keys = data_table(place) | {key: word for key, word in said.items() if word is not None}
+            is_told = {"angles", "frame"} <= {*keys}
+            pushes = PushTable(rows, rows[:0], (), convention_of(place, **said), is_told)
+        elif file_kind(place) is FileKind.PLANNED or tells_orientations_alone(place):
+            return
+        else:
+            pushes = load_pushes(place, **said)
+        check_pushes(pushes, loop)
 
 
 def _own_orientations(

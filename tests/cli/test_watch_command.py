@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from foreign_tables import Foreign, canonical, millimetres
 
 from cyclemap.cli.collected import run_watch as module
 from cyclemap.cli.commands import WatchOptions
@@ -250,6 +251,25 @@ def test_a_protocol_tells_which_action_to_take_next(here, capsys, report_of) -> 
         f"Next: {chosen['name']}; it brings θ0 to {chosen['lands_deg']:.0f}°"
         in capsys.readouterr().out
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("beside", [False, True])
+def test_the_sense_of_angles_is_tested_where_poses_stand_before_and_after_pushes(
+    here, capsys, beside
+) -> None:
+    """With the collection beside the table and without, whose columns have names of their own or
+    ours; orientations alone are taken as they are.
+    """
+    for write, suffix in ((canonical, ".csv"), (millimetres, ".csv")):
+        table = Foreign("log", write, suffix, "clockwise", 0.0, True, 2)
+        path = str(table.made(here, beside))
+        assert run(["watch", path]) == 2
+        shown = capsys.readouterr()
+        assert "give --angles clockwise" in shown.err and shown.out == ""
+        assert run(["watch", path, "--angles", "clockwise"]) == 0
+        assert "orientations alone" not in capsys.readouterr().err
+    assert run(["watch", str(data_file(here, [7.0 * k for k in range(20)]))]) == 0
 
 
 SAMPLED = """[friction]

@@ -36,7 +36,7 @@ from cyclemap.resets import (
     watch,
 )
 from cyclemap.resets.audit import audit
-from cyclemap.resets.theta0_feed import theta0_feed
+from cyclemap.resets.theta0_feed import check_feed, theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import ahead_sentence, multiplier_sentence
@@ -78,6 +78,8 @@ def run_watch(asked: WatchOptions) -> None:
         if is_said("every"):
             raise InvalidInput(f"--every {asked.every:g}: only --follow looks again; add it")
         news = feed.look(finished=True)
+        loop = loop_beside(file)
+        check_feed(file, table.named_columns, table.named_units, loop=loop, **table.convention)
         look_ahead = _ahead_of(asked)
         tell_what_was_read(news.words, news.guessed)
         _conclude(file, monitor, watch(news.theta, monitor), look_ahead, results)

@@ -24,8 +24,9 @@ from cyclemap.evidence.predicted_strokes import loop_of_plate
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.rod_contacts import by_contact, contact_words, is_near
 from cyclemap.evidence.tables.columns import Row, Selection
-from cyclemap.evidence.tables.conventions import OURS, written_convention
+from cyclemap.evidence.tables.conventions import OURS, Convention, written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.contact_curve import first_contact
@@ -36,8 +37,6 @@ from cyclemap.text_files import file_stem
 if TYPE_CHECKING:
     import pandas
 
-# File names give fractions and angles to three decimals.
-_ROUNDED = 6e-4
 # A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a
 # map.
 FEWEST_CYCLES = 4
@@ -49,6 +48,12 @@ _LONGEST_GAP = 0.2
 _NO_POSES = "no end pose"
 _EARLY = "among the first"
 _OTHER_SET = "cycle of another set"
+# What symmetric objects on isotropic friction cannot tell from the convention that is assumed.
+_MIRRORED = Convention("clockwise", "mirrored")
+_IN_A_MIRROR = (
+    "were axes mirrored and angles clockwise, the rod's contact would be the protocol's: give "
+    f"{_MIRRORED.options()} if they are"
+)
 _NO_OUTLINE = (
     "its outline is not told: give its material file, or put it with the data as collection.toml"
 )
@@ -136,7 +141,8 @@ def collection_data(
     if isinstance(given, PushTable):
         chosen = replace(given, table=selected_pushes(given.table, select or {}))
         reading = () if loop is None else check_pushes(chosen, loop)
-        return replace(_of_table(chosen, loop, start, length), reading=reading)
+        taken = _of_table(chosen, loop, start, length)
+        return replace(taken, reading=(*reading, *taken.reading))
     raise InvalidInput(
         f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path"
     )
@@ -215,8 +221,14 @@ def _of_table(
     left_out = Counter({_EARLY: int(np.sum(numbers < first))})
     sets = [rows for _, rows in table.groupby([*SET_FACTS], dropna=False, sort=False)]
     pushes = list[PosedSet]()
+    words: tuple[str, ...] = ()
     if loop is not None:
-        sets = _fitting(sets, loop, left_out)
+        fitting = _fitting(sets, loop, left_out)
+        sets, words = _at_contacts(fitting, loop, left_out)
+        if words and given.convention.is_ours and not given.convention_told:
+            mirrored = [_MIRRORED.rows(rows) for rows in fitting]
+            is_there = not _at_contacts(mirrored, loop, Counter())[1]
+            words += (_IN_A_MIRROR,) * is_there
         pushes = _posed_sets(sets, loop, length, left_out)
     pairs, own = _cycles(sets, loop, length, left_out)
     counts = {reason: count for reason, count in left_out.items() if count}
@@ -226,7 +238,7 @@ def _of_table(
             f"nothing is left of {numbers.size} pushes to compare with "
             f"({reasons or 'it holds none'})"
         )
-    return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
+    return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable), words)
 
 
 def _facts(rows: pandas.DataFrame) -> Row:
@@ -283,6 +295,21 @@ def _fitting(
     return fitting
 
 
+def _at_contacts(
+    sets: Sequence[pandas.DataFrame], loop: CollectionLoop, left_out: Counter[str]
+) -> tuple[list[pandas.DataFrame], tuple[str, ...]]:
+    """The sets, those whose contacts the rod's places tell by these; and in words which they are
+    where the protocol has another one.
+    """
+    placed: list[pandas.DataFrame] = []
+    found: list[pandas.DataFrame] = []
+    for rows in sets:
+        own = by_contact(rows, loop_of_plate(loop, _facts(rows)["object"]), left_out)
+        placed += own
+        found += [part for part in own if part is not rows]
+    return placed, contact_words(found, loop.push)
+
+
 def _posed_sets(
     sets: Sequence[pandas.DataFrame], loop: CollectionLoop, length: float, left_out: Counter[str]
 ) -> list[PosedSet]:
@@ -337,7 +364,7 @@ def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
     name and the robot's own errors.
     """
     own = loop.push
-    near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
-    if push.side == own.side and near and abs(push.distance - own.distance) <= _SAME_LENGTH:
+    near = is_near(own, push.side, push.fraction, push.angle)
+    if near and abs(push.distance - own.distance) <= _SAME_LENGTH:
         return loop
     return replace(loop, push=push)

@@ -164,7 +164,8 @@ def compare(
     Notes
     -----
     A loop predicts what was done: object, side, place, direction and length of every push are the
-    data's, and of the protocol where they do not tell. Pushes on a surface that the data name and
+    data's, by their columns or by the rod's places, and of the protocol where they do not tell.
+    Pushes on a surface that the data name and
     that is not the material's are left out by name; a material whose name tells no surface, such as
     ``mine`` or ``isotropic``, is set beside one surface at a time. Of orientations alone nothing of
     that is known: the protocol is taken to have made them.

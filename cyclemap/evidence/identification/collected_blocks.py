@@ -8,6 +8,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, usual_beliefs
 from cyclemap.evidence.identification.session_blocks import (
-    ERRORS,
     SessionBlock,
     Taken,
     Wanted,
@@ -28,8 +28,10 @@ from cyclemap.evidence.identification.session_blocks import (
     odd_sessions,
     push_blocks,
     push_end_blocks,
+    table_cycle_blocks,
     wrench_blocks,
 )
+from cyclemap.evidence.laws.push_sets import QUANTITIES
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -41,7 +43,14 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
 )
 from cyclemap.evidence.pushes.push_table import PushTable, table_pushes
-from cyclemap.evidence.tables.columns import ENDS, RODS, Selection, known_columns
+from cyclemap.evidence.tables.columns import (
+    ENDS,
+    FRAMES_AGREE,
+    READ_ERRORS,
+    RODS,
+    Selection,
+    known_columns,
+)
 from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.evidence.tables.data_kinds import (
     CYCLES,
@@ -53,7 +62,6 @@ from cyclemap.evidence.tables.data_kinds import (
     files_of_data,
     recognise,
 )
-from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import MIT_SHAPE_NAMES
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
@@ -144,9 +152,9 @@ def collected_blocks(
     ----------
     paths : sequence of str or Path
         Files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles
-        where they are repeated), CSV tables of push ends with the tip's places or without (then
-        it went as the loop's does, from its first touch on), of drag-backs, of orientations, of
-        wrenches and twists.
+        where they are repeated), CSV tables of push ends (and cycles, where a column numbers
+        them) with the tip's places or without (then it went as the loop's does, from its first
+        touch on), of drag-backs, of orientations, of wrenches and twists.
     loop : CollectionLoop
         Who is pushed where, with which rod and ring.
     select : mapping of str to str or float or None, optional
@@ -154,7 +162,7 @@ def collected_blocks(
         all those of the MIT dataset that the data name, or the selected one; of an outline of
         the loop's own, that one alone.
     first : int, default 0
-        The first cycle (repetition) used.
+        The first cycle (repetition) used, and the first push of those that are numbered.
     wear : bool, default False
         Let the surface of the cycles wear.
     most : int, optional
@@ -220,9 +228,20 @@ def collected_blocks(
     if len(data.objects) > 1 and loop.slider.name not in MIT_SHAPE_NAMES:
         listed = ", ".join(sorted(data.objects))
         raise InvalidInput(f"the data are of several objects: {listed}; select one")
+    if first > data.last >= 0.0:
+        raise InvalidInput(f"first is {first}: the last push is {data.last:g}; leave out fewer")
+    if first and data.last < 0.0 and data.taken:
+        raise InvalidInput(
+            f"first is {first}: the data number no pushes: add a column rep, or leave --first out"
+        )
     if not data.taken:
         reasons = joined_notes([*data.notes, *unused]) or tuple(map(str, paths))
         raise _nothing(reasons, loop, chosen, bool(unused))
+    if wear and not any(row.last_cycle for row in data.taken):
+        raise InvalidInput(
+            "wear is that of cycles, and the data have none: number the pushes of a collection in "
+            "a column rep, or leave --wear out"
+        )
     odd, doubtful = odd_sessions(loop, data.taken)
     for session, reason in doubtful.items():
         data.notes.append((session, f"{reason}; nothing tells which of the two is odd"))
@@ -248,6 +267,7 @@ class _Data:
     sessions : the file that a session is of, by its name and the sort of its data.
     filled : filled-in pushes by their numbers, and where each was read.
     surfaces, objects : that the data tell of.
+    last : the largest number of a push, negative where they tell none.
     """
 
     loop: CollectionLoop
@@ -259,6 +279,7 @@ class _Data:
     filled: dict[tuple[float, ...], str] = field(default_factory=dict)
     surfaces: set[str] = field(default_factory=set)
     objects: set[str] = field(default_factory=set)
+    last: float = -1.0
 
     def add_paths(
         self, paths: Sequence[str | Path], progress: Progress | None
@@ -282,6 +303,7 @@ class _Data:
         pushes, reasons = self._rows(file, part_of(progress, 0, 2))
         words = [f"{count} left out: {reason}" for reason, count in reasons.items()]
         self.notes += [(about, note) for note in (*words, *self._checked(file, pushes))]
+        self.last = max(self.last, _last_number(pushes.table, file.sort == CYCLES))
         self.surfaces |= {*told(pushes.table["surface"]), *told(pushes.scans["surface"])}
         self.objects |= {*told(pushes.table["object"]), *told(pushes.scans["object"])}
         if len(self.surfaces) > 1:
@@ -311,7 +333,10 @@ class _Data:
             pushes, reasons = select_pushes(file.path, self.selection, False, progress)
         elif file.sort in SORT_COLUMNS:
             every = known_columns(file.table, SORT_COLUMNS[file.sort])
-            rows, reasons = selected(convention_of(file.path).rows(every), self.selection)
+            known = convention_of(file.path).rows(every)
+            if file.sort == PUSH_ENDS:
+                known = _followed(known, table_pushes(file.table))
+            rows, reasons = selected(known, self.selection)
             pushes = PushTable(rows, rows[:0], ())
         else:
             reasons = Counter[str]()
@@ -356,7 +381,8 @@ class _Data:
         if sort == PUSH_ENDS:
             self._refuse_repeated(rows)
             first_set = 1 + sum(len(row.set_up) for row in self.taken) // 3
-            return push_end_blocks(rows, loop, wanted, first_set)
+            ends = push_end_blocks(rows, loop, wanted, first_set)
+            return chain(ends, table_cycle_blocks(rows, loop, wanted))
         if sort == DRAG_BACKS:
             return drag_blocks(rows, loop, wanted)
         if sort in SORT_COLUMNS:
@@ -367,7 +393,7 @@ class _Data:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
         come again.
         """
-        if rows[[FRAMES_AGREE, *ERRORS]].isna().all(axis=None):
+        if rows[[FRAMES_AGREE, *READ_ERRORS]].isna().all(axis=None):
             return
         for row in rows.to_dict("records"):
             readings = tuple(row[name] for name in (*ENDS, *RODS))
@@ -378,6 +404,23 @@ class _Data:
                     "would count twice: leave one of them out"
                 )
             self.filled[readings] = here
+
+
+def _last_number(rows: pandas.DataFrame, are_cycles: bool) -> float:
+    """The largest number of a push, without end where the order of rows may tell it, negative where
+    nothing does.
+    """
+    numbers = rows["repetition"].dropna()
+    if len(numbers):
+        return float(numbers.max())
+    return math.inf if are_cycles and rows["theta_next"].notna().any() else -1.0
+
+
+def _followed(rows: pandas.DataFrame, pushes: PushTable) -> pandas.DataFrame:
+    """Rows of a table with what its pushes did, and what followed each of them."""
+    told = pushes.table.set_index("line")[[*QUANTITIES, "theta_next", "length"]]
+    told = told.reindex(rows["line"])
+    return rows.assign(**{name: values.to_numpy() for name, values in told.items()})
 
 
 def _by_session(rows: pandas.DataFrame, plate: str) -> dict[tuple[str, float], pandas.DataFrame]:

@@ -5,6 +5,7 @@ what each of several plates and sessions has of its own, and which sessions are 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
@@ -60,8 +61,9 @@ from cyclemap.evidence.pushes.measured_strokes import (
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
+from cyclemap.evidence.rod_contacts import by_contact
+from cyclemap.evidence.tables.columns import DRAG_ENDS, FRAMES_AGREE, READ_ERRORS
 from cyclemap.evidence.tables.conventions import convention_of
-from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import Pose
 from cyclemap.progress import Progress, part_of
 
@@ -70,8 +72,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-# How far off readings are.
-ERRORS = ("read_error", "read_turn_error")
 # Cycles that follow each other have errors alike: they form groups of this many, or smaller ones
 # where data are few.
 _LONGEST_GROUP = 25
@@ -191,6 +191,28 @@ def _scan_blocks(scans: pandas.DataFrame, loop: CollectionLoop) -> Taken:
         yield SessionBlock(friction_scan_block(known, weight), words, scans=traction)
 
 
+def table_cycle_blocks(rows: pandas.DataFrame, loop: CollectionLoop, wanted: Wanted) -> Taken:
+    """Give the cycles of a CSV table that tells the places of the rod, and of each push, as
+    `PushTable.table` does, the start of the next.
+
+    None where drag-backs are told as well, which are the other half of these cycles, nor of pushes
+    that were set up by marks.
+    """
+    others = rows[[*DRAG_ENDS]].notna().all(axis=1) | rows[FRAMES_AGREE].notna()
+    if others.any() or rows["theta_next"].isna().all():
+        return
+    reasons = Counter[str]()
+    for part in by_contact(rows, loop, reasons):
+        own = replace(loop, push=told_push(loop.push, part.iloc[0], math.nan))
+        if part is not rows:
+            far = float(part["length"].median())
+            own = replace(own, push=replace(own.push, distance=far))
+        for alike in push_sets(PushTable(part, part[:0], ())):
+            yield from _cycle_blocks(alike, own, wanted)
+    for reason, count in reasons.items():
+        yield from left_out(f"cycles: {reason}", count)
+
+
 def _cycle_blocks(rows: PushSet, loop: CollectionLoop, wanted: Wanted) -> Taken:
     """Give the cycles of a set of pushes that were repeated at one contact."""
     pairs = rows.pairs
@@ -219,8 +241,9 @@ def _posed_blocks(table: pandas.DataFrame, loop: CollectionLoop, wanted: Wanted)
     """Give ends of pushes without the places of the rod: it went from its first touch on as the
     loop's does.
     """
-    posed = table[["x0", "dtheta"]].notna().all(axis=1) & ~(table["repetition"] < wanted.first)
-    rows = table[posed].fillna({"length": wanted.push_length})
+    late = _late(table, wanted)
+    posed = late[["x0", "dtheta"]].notna().all(axis=1)
+    rows = late[posed].fillna({"length": wanted.push_length})
     known = rows[rows["length"].notna()]
     yield from left_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
     pushes: list[MeasuredPush] = []
@@ -238,7 +261,7 @@ def _recorded_blocks(
     table: pandas.DataFrame, loop: CollectionLoop, wanted: Wanted, progress: Progress
 ) -> Taken:
     """Give ends and forces of recorded pushes."""
-    late = table[~(table["repetition"] < wanted.first)]
+    late = _late(table, wanted)
     steady = late[late["acceleration"].fillna(0.0) == 0.0]
     yield from left_out("pushed with acceleration", len(late) - len(steady))
     chosen = steady.iloc[evenly_spread(len(steady), wanted.most)]
@@ -294,6 +317,15 @@ def push_end_blocks(
 
     first_set : the number of the first that was set up by marks.
     """
+    late = _late(rows, wanted)
+    yield from left_out(f"pushes before {wanted.first}", len(rows) - len(late))
+    yield from _late_end_blocks(late, loop, wanted, first_set) if len(late) else ()
+
+
+def _late_end_blocks(
+    rows: pandas.DataFrame, loop: CollectionLoop, wanted: Wanted, first_set: int
+) -> Taken:
+    """Give the ends of pushes of which none is too early; see `push_end_blocks`."""
     pushes = measured_pushes(rows)
     errors = rows["tip_error"].fillna(0.0)
     small = errors[errors <= LARGEST_TIP_ERROR]
@@ -343,10 +375,18 @@ def _end_blocks(
 
 def drag_blocks(rows: pandas.DataFrame, loop: CollectionLoop, wanted: Wanted) -> Taken:
     """Give the drag-backs of a CSV table."""
-    drags = measured_drags(rows)
+    late = _late(rows, wanted)
+    yield from left_out(f"drag-backs before {wanted.first}", len(rows) - len(late))
+    drags = measured_drags(late)
     kept = _thinned(drags, wanted.most)
-    block = drag_turn_block(kept, loop.slider, wanted.target)
-    yield SessionBlock(block, f"{_counted(kept, drags)} drag-backs", _read_errors(rows))
+    if kept:
+        block = drag_turn_block(kept, loop.slider, wanted.target)
+        yield SessionBlock(block, f"{_counted(kept, drags)} drag-backs", _read_errors(late))
+
+
+def _late(rows: pandas.DataFrame, wanted: Wanted) -> pandas.DataFrame:
+    """The rows but those that are numbered too early."""
+    return rows[~(rows["repetition"] < wanted.first)]
 
 
 def wrench_blocks(rows: pandas.DataFrame, loop: CollectionLoop) -> Taken:
@@ -366,7 +406,7 @@ def wrench_blocks(rows: pandas.DataFrame, loop: CollectionLoop) -> Taken:
 
 def _read_errors(rows: pandas.DataFrame) -> ReadErrors | None:
     """How far readings are off, m and rad, where a table tells it."""
-    length, angle = rows[[*ERRORS]].max().tolist()
+    length, angle = rows[[*READ_ERRORS]].max().tolist()
     return None if math.isnan(length + angle) else (length, angle)
 
 

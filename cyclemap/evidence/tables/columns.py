@@ -17,7 +17,9 @@ from enum import Enum
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-from cyclemap.arrays import TWO_PI
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Mask
 from cyclemap.errors import DoubtfulInput
 from cyclemap.text_files import CsvTable, says_nothing
 
@@ -88,6 +90,15 @@ PLACES = {"x0", "y0", "x1", "y1"}
 RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # Its pose before and after a drag.
 DRAG_ENDS = ("x1", "y1", "theta1", "x0n", "y0n", "theta_next")
+# How far off readings are; and what is told of a table that was planned, in which no rod was
+# measured: rods were set by marks on the object.
+FRAMES_AGREE = "frames_agree"
+READ_ERRORS = ("read_error", "read_turn_error")
+# Rows that are alike are one push where no more of them are, and where this share of the others, so
+# many at least, has numbers, or orientations, of its own.
+_MOST_COPIES = 3
+_FEWEST = 6
+_TELLING = 0.9
 # Forces and torque on an object, N, and the twist they keep up, m/s, both with the same length.
 WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
 TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
@@ -138,9 +149,9 @@ def known_columns(
     """Return what a table of ours tells: every known column, SI units, NaN (of texts None) where it
     tells nothing, and the `path` and `line` of each row.
 
-    Rows without a number in a column that is needed are left out, and warned of. Raises
-    DataFileError where one of these columns is missing, or so large a share of the rows or more
-    is lost.
+    Rows without a number in a column that is needed, and such as are there again, are left out, and
+    warned of. Raises DataFileError where one of these columns is missing, or so large a share of
+    the rows or more is lost.
     """
     import pandas
 
@@ -160,7 +171,43 @@ def known_columns(
             numbers = column.names[name] * whole.numbers(name, blank=True) if name else math.nan
             columns[column.name] = numbers
     lines = [row.line for row in whole.rows]
-    return pandas.DataFrame(columns, range(len(lines))).assign(path=str(table.path), line=lines)
+    every = pandas.DataFrame(columns, range(len(lines)))
+    kept, words = without_repeats(every, lines, "line")
+    if words:
+        warnings.warn(f"{table.path}: {words}", DoubtfulInput, stacklevel=5)
+    told = every.assign(path=str(table.path), line=lines)
+    return told if kept.all() else told[kept].reset_index(drop=True)
+
+
+def without_repeats(rows: pandas.DataFrame, places: Sequence[int], what: str) -> tuple[Mask, str]:
+    """Return which measured rows (n,) count: of such as are alike in all columns the first alone;
+    and in words which do not.
+
+    Alike rows are the same push where its number, or the orientations before and after it, are
+    hardly ever another's: not where coarse readings are of an object that comes to rest. Of a table
+    that was planned all stay, to be refused. places : (n,), of the rows in the file, and `what`
+    these are.
+    """
+    again = rows.duplicated()
+    marks = rows.filter([FRAMES_AGREE, *READ_ERRORS])
+    if not again.any() or marks.notna().any(axis=None):
+        return np.full(len(rows), True), ""
+    distinct = rows[~again]
+    most = int(rows.groupby([*rows], dropna=False, sort=False).size().max())
+    own = [
+        distinct[[*names]].nunique().min() >= _TELLING * len(distinct)
+        for names in (("repetition",), ("theta0", "theta1"))
+        if {*names} <= {*rows}
+    ]
+    if most > _MOST_COPIES or len(distinct) < _FEWEST or not any(own):
+        return np.full(len(rows), True), ""
+    index = int(np.flatnonzero(again)[0])
+    alike = rows.eq(rows.iloc[index]) | (rows.isna() & rows.iloc[index].isna())
+    first = int(np.flatnonzero(alike.all(axis=1))[0])
+    return ~again.to_numpy(), (
+        f"{int(again.sum())} of {len(rows)} rows are there again, all readings the same, and count "
+        f"once: the first, {what} {places[index]}, is {what} {places[first]}"
+    )
 
 
 def _with_numbers(table: CsvTable, names: Sequence[str], most_lost: float) -> CsvTable:

@@ -17,7 +17,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput, located
-from cyclemap.evidence.tables.columns import ENDS, PLACES, RODS, our_text
+from cyclemap.evidence.tables.columns import ENDS, PLACES, RODS, our_text, without_repeats
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import TEXTS
 from cyclemap.evidence.tables.meaning import known_units, meaning_of, si_rows, with_headings
@@ -144,7 +144,8 @@ def read_orientations(
     known = table.with_orientation()
     if known.rows.empty and not growing:
         raise DataFileError(f"{path}: no row has an orientation that counts")
-    return known.then(known.rows[["theta0"]], _assumed(False, convention))
+    is_posed = not growing and {*known.rows} >= PLACES
+    return known.then(known.rows[["theta0"]], _assumed(is_posed, convention))
 
 
 def _pushes(
@@ -179,7 +180,7 @@ def _pushes(
         if "theta1" not in table.rows:
             _refuse_several(table.rows)
             _refuse_half_turns(table.rows["theta0"].to_numpy())
-        return table if growing else _in_order(table)
+        return table if growing else _in_order(_counted_once(table))
 
 
 def _counting(rows: pandas.DataFrame) -> tuple[pandas.DataFrame, list[str]]:
@@ -371,6 +372,13 @@ def _episodes(stream: pandas.DataFrame) -> pandas.DataFrame:
 
 
 # -- in which order
+
+
+def _counted_once(table: OwnTable) -> OwnTable:
+    """The table without rows that are there again."""
+    rows = table.rows
+    kept, words = without_repeats(rows, range(1, len(rows) + 1), "row")
+    return table.then(rows[kept].reset_index(drop=True), words) if words else table
 
 
 def _in_order(table: OwnTable) -> OwnTable:

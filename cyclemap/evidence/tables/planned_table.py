@@ -21,7 +21,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Place, shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence.tables.columns import DRAG_ENDS, ENDS, RODS
+from cyclemap.evidence.tables.columns import DRAG_ENDS, ENDS, FRAMES_AGREE, RODS
 from cyclemap.evidence.tables.own_files import raw_columns
 from cyclemap.evidence.tables.text_tables import Columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
@@ -58,8 +58,6 @@ ERRORS = ("error_mm", "error_deg")
 # Where a robot's rod was, in the frame of the poses; left empty, it went as it was planned from the
 # object as it lay.
 ROD = ("rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm")
-# Told of a table in which no rod was measured: rods were set by marks on the object.
-FRAMES_AGREE = "frames_agree"
 _STATES = "012"
 _WHEN = dict(zip(_STATES, ("before the push", "after the push", "after the drag"), strict=True))
 # Marks that are further off than this, or than four readings allow, were mistaken, mm.

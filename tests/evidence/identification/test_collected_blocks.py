@@ -16,6 +16,7 @@ from cyclemap.evidence import (
     SurfaceParameters,
     collected_blocks,
     identify,
+    load_pushes,
     simulate_collection,
 )
 from cyclemap.evidence.identification.collected_blocks import CollectedBlocks
@@ -206,6 +207,54 @@ def test_first_and_wear_choose_and_order_the_cycles(collection) -> None:
     assert np.all(np.diff(worn / (fresh + worn)) > 0.0)
     worn_names = {f"worn_{name}" for name in (*ELLIPSE, *FLOOR)}
     assert set(telling_parameters(found.blocks)[-15:]) == worn_names | set(PACE)
+
+
+PUSHED = ("repetition", "x0", "y0", "theta0", "x1", "y1", "theta1")
+PUSHED += ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
+
+
+def as_table(pushes: Path, file: Path, *left_out: str) -> Path:
+    """The pushes of a folder as a table of poses and tips, which names no side."""
+    rows = load_pushes(pushes).table.sort_values("repetition")
+    rows[[name for name in PUSHED if name not in left_out]].to_csv(file, index=False)
+    return file
+
+
+def test_cycles_are_taken_of_a_table_with_tips_as_of_the_same_pushes_in_files(tmp_path) -> None:
+    """Where the rod touches is what its places tell: side 1 at 0.4, not the protocol's 0 at 0.7."""
+    loop = replace(
+        CollectionLoop.mit(SLATE, accuracy=1e-5), push=replace(LOOP.push, side=1, fraction=0.4)
+    )
+    quiet = RecordingNoise(turn=math.radians(0.5))
+    simulate_collection(loop, tmp_path / "made", 14, noise=quiet)
+    table = as_table(tmp_path / "made", tmp_path / "tips.csv")
+    for options in ({}, {"first": 4}, {"first": 4, "wear": True}):
+        files, rows = (collected_blocks([it], LOOP, **options) for it in (tmp_path / "made", table))
+        assert len(cycles_of(rows).groups) == 13 - options.get("first", 0)
+        assert rows.last_cycle == files.last_cycle
+        assert cycles_of(rows).parameters == cycles_of(files).parameters
+        values = TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)} | PACE
+        misses, expected = (cycles_of(found).residuals(values)[0] for found in (rows, files))
+        np.testing.assert_allclose(misses, expected, rtol=0, atol=1e-6)
+    assert names(rows)["push ends"] == 3 * 10
+    assert f"{table}: 4 left out: pushes before 4" in rows.notes
+    refused(collected_blocks, [table], LOOP, first=99, told="first is 99: the last push is 13")
+
+
+def test_first_and_wear_are_refused_where_no_push_is_numbered(collection, tmp_path) -> None:
+    table = as_table(collection, tmp_path / "tips.csv", "repetition")
+    told = "first is 3: the data number no pushes: add a column rep, or leave --first out"
+    refused(collected_blocks, [table], LOOP, first=3, told=told)
+    told = "wear is that of cycles, and the data have none: number the pushes"
+    refused(collected_blocks, [table], LOOP, wear=True, told=told)
+
+
+def test_the_cycles_of_a_table_with_drag_backs_are_not_counted_twice(collection, tmp_path) -> None:
+    rows = load_pushes(collection).table.rename(columns={"theta_next": "th0n"})
+    rows = rows.assign(x0n=0.35, y0n=-0.03)
+    rows[[*PUSHED, "x0n", "y0n", "th0n"]].dropna().to_csv(tmp_path / "both.csv", index=False)
+    found = collected_blocks([tmp_path / "both.csv"], LOOP)
+    assert {*names(found)} == {"push ends", "drag-backs"}
 
 
 def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:

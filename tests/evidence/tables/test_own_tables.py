@@ -10,9 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from foreign_tables import canonical, truth
 from refusals import refused
 
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence import load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.evidence.tables import own_files
@@ -501,3 +502,32 @@ def test_a_turn_about_z_beside_a_tilt_is_refused_and_beside_none_is_read(tmp_pat
 def test_bytes_of_another_program_are_no_table(tmp_path) -> None:
     np.savez(tmp_path / "pushes.npz", theta0=np.arange(20.0))
     refused(read_own_table, tmp_path / "pushes.npz", told="holds bytes, not text: save its numbers")
+
+
+@pytest.mark.parametrize("numbered", [True, False])
+def test_rows_that_are_there_again_count_once(tmp_path, numbered) -> None:
+    """By our names and by names of one's own, with numbers that then are whole, or without."""
+    lines = canonical(truth(4).start, truth(4).end).splitlines()
+    rows = [f"{number},{line}" if numbered else line for number, line in enumerate(lines[1:41])]
+    header = f"rep,{lines[0]}" if numbered else lines[0]
+    for name, head in (("ours.csv", header), ("own.csv", header.replace("x0", "before_x"))):
+        file = tmp_path / name
+        file.write_text("\n".join([head, *rows[:30], *rows[25:]]) + "\n")
+        own = read_own_table(file)
+        assert len(own.rows) == 40
+        told = "5 of 45 rows are there again, all readings the same, and count once: the first, "
+        assert f"{told}row 31, is row 26" in own.words
+        if name == "ours.csv":
+            with pytest.warns(DoubtfulInput, match=f"{told}line 32, is line 27"):
+                pushes = load_pushes(file).table
+            assert len(pushes) == 40 and pushes["theta_next"].count() == 39 * numbered
+
+
+def test_coarse_readings_of_an_object_at_rest_are_no_rows_that_are_there_again(tmp_path) -> None:
+    """Nor are a hand's three pushes alike in a table without numbers."""
+    lines = canonical(truth(4).start, truth(4).end).splitlines()
+    for rows in ([lines[1]] * 4 + lines[1:30], [*lines[1:4], *lines[1:4], *[lines[5]] * 2] * 2):
+        file = tmp_path / "coarse.csv"
+        file.write_text("\n".join([lines[0], *rows]) + "\n")
+        assert len(load_pushes(file).table) == len(rows)
+        assert len(read_own_table(file).rows) == len(rows)
