@@ -8,6 +8,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +38,7 @@ _NO_RODS = "the rod's places are told of other pushes alone"
 _NO_SIDE = "the rod's places touch no side of the object"
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
-# Of contacts as near as that to the protocol's (shares of a side, rad) nobody wants to hear.
+# Contacts as near as this to the protocol's (shares of a side, rad) go unsaid.
 _HARDLY = 0.02
 # Contacts that are told one by one.
 _MOST_TOLD = 2
@@ -61,8 +62,8 @@ def by_contact(
     contacts, touched = _contacts(posed, loop)
     if touched.mean() < _FEWEST_TOUCH:
         return [rows]
-    told = rows[[*CONTACT]].iloc[0]
-    if told.notna().all() and _off(contacts[touched], told, loop) < _ELSEWHERE:
+    stated = rows[[*CONTACT]].iloc[0]
+    if stated.notna().all() and _off(contacts[touched], stated, loop) < _ELSEWHERE:
         return [rows]
     on_side = np.isfinite(contacts).all(axis=1)
     left_out[_NO_RODS] += int(np.sum(~has_rods))
@@ -78,11 +79,13 @@ def by_contact(
     return sets
 
 
-def _off(contacts: Array, told: pandas.Series, loop: CollectionLoop) -> float:
-    """How far (m, in the median) rods on sides are from where the contact told has them; 0 where
+def _off(contacts: Array, stated: pandas.Series, loop: CollectionLoop) -> float:
+    """How far (m, in the median) rods on sides are from where the stated contact has them; 0 where
     none is on a side.
     """
-    place, _ = first_contact(loop.slider, told_push(loop.push, told, math.nan), loop.pusher.radius)
+    place, _ = first_contact(
+        loop.slider, told_push(loop.push, stated, math.nan), loop.pusher.radius
+    )
     away = []
     for side, fraction, *_ in contacts[np.isfinite(contacts[:, 0])].tolist():
         push = replace(loop.push, side=int(side), fraction=fraction % 1.0)
@@ -126,7 +129,8 @@ def _alike(contacts: Array) -> list[Whole]:
     """The rows (n, 5) of `_contacts` at each contact, in their order."""
     groups = [np.flatnonzero(contacts[:, 0] == side) for side in np.unique(contacts[:, 0])]
     for column, apart in zip((3, 2), _APART, strict=True):
-        groups = [part for rows in groups for part in _parted(rows, contacts[:, column], apart)]
+        parted = [_parted(rows, contacts[:, column], apart) for rows in groups]
+        groups = list(chain.from_iterable(parted))
     alike = list[Whole]()
     for rows in groups:
         scattered = np.std(contacts[rows][:, (3, 2)], axis=0) > _SCATTER
@@ -138,7 +142,7 @@ def _parted(rows: Whole, values: Array, apart: float) -> list[Whole]:
     """Rows parted where their values, in order, have gaps."""
     ordered = rows[np.argsort(values[rows], kind="stable")]
     gaps = np.flatnonzero(np.diff(values[ordered]) > apart)
-    return [np.sort(part) for part in np.split(ordered, gaps + 1)]
+    return [np.sort(near) for near in np.split(ordered, gaps + 1)]
 
 
 def contact_words(sets: Sequence[pandas.DataFrame], push: SidePush) -> tuple[str, ...]:
