@@ -252,13 +252,14 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
     surface = Anisotropy.of(loop.material.friction)
     bow = floor_bow(loop)
     is_named = asked.loop.surface is not None or max(surface.offset, surface.ellipticity) > 0.0
-    predicts = is_named and bow == 0.0 and not floor_varies(loop)
+    varies = floor_varies(loop)
+    predicts = is_named and bow == 0.0 and not varies
     if asked.check and bow:
         raise InvalidInput(
             f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
             "mean pressures: set floor_bow=0, or ask for the portrait"
         )
-    if asked.check and floor_varies(loop):
+    if asked.check and varies:
         raise InvalidInput(
             "--check compares a prediction for a floor that is alike everywhere, but this one has "
             "a field: ask for the portrait"
@@ -295,7 +296,7 @@ def run_fingerprint(asked: FingerprintOptions) -> None:
         asked.results,
         result_name("fingerprint", loop, name),
         *lines,
-        fingerprint_page.bow_sentence(numbers, bow) if bow else "",
+        fingerprint_page.floor_sentence(numbers, bow, varies),
         sentences.uncertainty_sentence(name, known),
         "" if checked is None else fingerprint_page.check_sentence(checked),
     )

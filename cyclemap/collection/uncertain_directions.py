@@ -226,14 +226,14 @@ def _of_axis_ratio(stated: CollectionLoop, report: Progress) -> DirectionUncerta
     """What the ratio of the axes does to the directions, where nothing is known of it."""
     law = stated.material.friction
     loops = [stated]
-    most = math.sqrt(1.0 + VARIED)
-    for root in (1.0 / most, most):
-        # Less of it all, which moves nothing: the larger axis may be as large as friction can be.
-        mu_a, mu_b = law.mu_a * root / most, law.mu_b / (root * most)
-        m0, n0 = law.m0 / most, law.n0 / most
+    less = 1.0 / (1.0 + VARIED)
+    mean = math.sqrt(less)
+    # Less friction in all moves nothing, where more may be that of no surface.
+    for along, across in ((less, 1.0), (1.0, less)):
+        axes = {"mu_a": along * law.mu_a, "mu_b": across * law.mu_b}
         # Far off the centre one of the two, never both, leaves zero outside the ellipse.
         with suppress(InvalidInput):
-            friction = replace(law, mu_a=mu_a, mu_b=mu_b, m0=m0, n0=n0)
+            friction = replace(law, **axes, m0=mean * law.m0, n0=mean * law.n0)
             material = replace(stated.material, friction=friction, wear=None)
             loops.append(replace(stated, material=material))
     nominal, *varied = stable_points(loops, report)

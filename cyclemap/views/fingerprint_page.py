@@ -123,13 +123,22 @@ def protocol_sentence(fingerprint: Fingerprint) -> str:
     )
 
 
-def bow_sentence(fingerprint: Fingerprint, bow: float) -> str:
-    """What stands instead of a prediction where the floor has a bow."""
-    return (
-        f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by "
-        f"up to {angle(bow * fingerprint.cycle.bow_amplitude, 1)}. No direction is predicted from "
-        "that, nor from a floor that varies from place to place; portrait computes the map."
-    )
+def floor_sentence(fingerprint: Fingerprint, bow: float, varies: bool) -> str:
+    """What stands instead of a prediction where the floor has a bow or varies from place to place;
+    nothing elsewhere.
+    """
+    words = []
+    if bow:
+        most = angle(bow * fingerprint.cycle.bow_amplitude, 1)
+        words.append(
+            f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn "
+            f"by up to {most}."
+        )
+    if varies:
+        words.append("The floor varies from place to place, which these numbers leave out.")
+    if words:
+        words.append("No direction is predicted from that; portrait computes the map.")
+    return " ".join(words)
 
 
 def surface_sentence(prediction: Prediction, material: str) -> str:

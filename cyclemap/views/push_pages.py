@@ -195,11 +195,10 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     """How many pushes were replayed and how far off they end, in a sentence."""
     error, turn_error = replayed.mean_errors
     count, left_out = len(replayed.table), len(replayed.not_replayed)
-    files = {entry.path for entry in replayed.not_replayed}
-    if len(files) < left_out:
-        also = f"; {left_out} could not be"
-    else:
-        also = f"; {counted(left_out, 'file')} could not be" if left_out else ""
+    # Of one file several rows may be left out.
+    are_files = len({entry.path for entry in replayed.not_replayed}) == left_out
+    which = counted(left_out, "file") if are_files else str(left_out)
+    also = f"; {which} could not be" if left_out else ""
     ends = "ends" if count == 1 else "they end"
     who = "1 push replayed: it" if count == 1 else f"{count} pushes replayed:"
     return f"{who} {ends} {1e3 * error:.1f} mm and {angle(turn_error)} off on average{also}."

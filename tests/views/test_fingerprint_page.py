@@ -100,3 +100,13 @@ def test_a_surface_that_locks_to_second_order_only_is_told_so() -> None:
     told = sentences.direction_sentence(edge, "wood")
     assert "no stable direction" in told and "leaves open" in told
     assert told.endswith(f"; to second order it locks into {math.degrees(stable.points[0]):.1f}°.")
+
+
+def test_why_no_direction_is_predicted_of_a_floor_is_told_of_what_it_has() -> None:
+    bowed = sentences.floor_sentence(FOUND, 0.5, False)
+    varying = sentences.floor_sentence(FOUND, 0.0, True)
+    assert "bow of 0.5" in bowed and "varies" not in bowed
+    assert "varies from place to place" in varying and "bow" not in varying
+    assert bowed.endswith("portrait computes the map.") and varying.endswith("computes the map.")
+    assert "bow of 0.5" in sentences.floor_sentence(FOUND, 0.5, True)
+    assert sentences.floor_sentence(FOUND, 0.0, False) == ""

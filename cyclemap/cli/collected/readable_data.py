@@ -6,7 +6,6 @@ import math
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from itertools import islice
 from pathlib import Path
 
 import click
@@ -177,11 +176,9 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
 def reasons_of(left_out: Sequence[UnreadableFile]) -> list[str]:
     """Why files and rows were left out, the first reasons with their file, the others counted."""
     reasons = Counter(f"{file.path}: {file.reason}" for file in left_out)
-    named = [
-        reason if count == 1 else f"{reason} ({count} times)"
-        for reason, count in islice(reasons.items(), MOST_NAMED)
-    ]
-    more = len(left_out) - sum(count for _, count in islice(reasons.items(), MOST_NAMED))
+    first = list(reasons.items())[:MOST_NAMED]
+    named = [reason if count == 1 else f"{reason} ({count} times)" for reason, count in first]
+    more = len(left_out) - sum(count for _, count in first)
     return [*named, f"and {more} more"] if more > 0 else named
 
 

@@ -227,8 +227,8 @@ def _of_table(
         sets, words = _at_contacts(fitting, loop, left_out)
         if words and given.convention.is_ours and not given.convention_told:
             mirrored = [_MIRRORED.rows(rows) for rows in fitting]
-            is_there = not _at_contacts(mirrored, loop, Counter())[1]
-            words += (_IN_A_MIRROR,) * is_there
+            if not _at_contacts(mirrored, loop, Counter())[1]:
+                words += (_IN_A_MIRROR,)
         pushes = _posed_sets(sets, loop, length, left_out)
     pairs, own = _cycles(sets, loop, length, left_out)
     counts = {reason: count for reason, count in left_out.items() if count}
@@ -302,12 +302,12 @@ def _at_contacts(
     where the protocol has another one.
     """
     placed: list[pandas.DataFrame] = []
-    found: list[pandas.DataFrame] = []
+    by_rod: list[pandas.DataFrame] = []
     for rows in sets:
         own = by_contact(rows, loop_of_plate(loop, _facts(rows)["object"]), left_out)
         placed += own
-        found += [part for part in own if part is not rows]
-    return placed, contact_words(found, loop.push)
+        by_rod += [contact for contact in own if contact is not rows]
+    return placed, contact_words(by_rod, loop.push)
 
 
 def _posed_sets(

@@ -165,10 +165,10 @@ def compare(
     -----
     A loop predicts what was done: object, side, place, direction and length of every push are the
     data's, by their columns or by the rod's places, and of the protocol where they do not tell.
-    Pushes on a surface that the data name and
-    that is not the material's are left out by name; a material whose name tells no surface, such as
-    ``mine`` or ``isotropic``, is set beside one surface at a time. Of orientations alone nothing of
-    that is known: the protocol is taken to have made them.
+    Pushes on a surface that the data name and that is not the material's are left out by name; a
+    material whose name tells no surface, such as ``mine`` or ``isotropic``, is set beside one
+    surface at a time. Of orientations alone nothing of that is known: the protocol is taken to have
+    made them.
 
     P-values come from simulated collections, as long as the measured one and from the same start,
     under the predicted map and noise: autocorrelation and wear are in them. Of a map that was

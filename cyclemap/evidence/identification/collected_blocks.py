@@ -418,9 +418,9 @@ def _last_number(rows: pandas.DataFrame, are_cycles: bool) -> float:
 
 def _followed(rows: pandas.DataFrame, pushes: PushTable) -> pandas.DataFrame:
     """Rows of a table with what its pushes did, and what followed each of them."""
-    told = pushes.table.set_index("line")[[*QUANTITIES, "theta_next", "length"]]
-    told = told.reindex(rows["line"])
-    return rows.assign(**{name: values.to_numpy() for name, values in told.items()})
+    by_line = pushes.table.set_index("line")[[*QUANTITIES, "theta_next", "length"]]
+    following = by_line.reindex(rows["line"])
+    return rows.assign(**{name: values.to_numpy() for name, values in following.items()})
 
 
 def _by_session(rows: pandas.DataFrame, plate: str) -> dict[tuple[str, float], pandas.DataFrame]:

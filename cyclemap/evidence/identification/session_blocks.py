@@ -202,12 +202,12 @@ def table_cycle_blocks(rows: pandas.DataFrame, loop: CollectionLoop, wanted: Wan
     if others.any() or rows["theta_next"].isna().all():
         return
     reasons = Counter[str]()
-    for part in by_contact(rows, loop, reasons):
-        own = replace(loop, push=told_push(loop.push, part.iloc[0], math.nan))
-        if part is not rows:
-            far = float(part["length"].median())
+    for contact in by_contact(rows, loop, reasons):
+        own = replace(loop, push=told_push(loop.push, contact.iloc[0], math.nan))
+        if contact is not rows:
+            far = float(contact["length"].median())
             own = replace(own, push=replace(own.push, distance=far))
-        for alike in push_sets(PushTable(part, part[:0], ())):
+        for alike in push_sets(PushTable(contact, contact[:0], ())):
             yield from _cycle_blocks(alike, own, wanted)
     for reason, count in reasons.items():
         yield from left_out(f"cycles: {reason}", count)

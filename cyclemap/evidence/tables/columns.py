@@ -175,8 +175,8 @@ def known_columns(
     kept, words = without_repeats(every, lines, "line")
     if words:
         warnings.warn(f"{table.path}: {words}", DoubtfulInput, stacklevel=5)
-    told = every.assign(path=str(table.path), line=lines)
-    return told if kept.all() else told[kept].reset_index(drop=True)
+    placed = every.assign(path=str(table.path), line=lines)
+    return placed if kept.all() else placed[kept].reset_index(drop=True)
 
 
 def without_repeats(rows: pandas.DataFrame, places: Sequence[int], what: str) -> tuple[Mask, str]:

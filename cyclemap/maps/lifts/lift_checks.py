@@ -44,7 +44,7 @@ class MadeLift(ABC):
         return lambda theta: float(self(np.asarray(theta)))
 
 
-LARGEST_DEGREE = 10**15
+_LARGEST_DEGREE = 10**15  # turns beyond that leave no digit of an angle
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
 JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
 SNAP = 1e-12  # radians: angles this near a break are that break
@@ -196,7 +196,7 @@ def base_angles(theta: Array) -> Array:
 def checked_degree(degree: object) -> int:
     """A map's degree, or InvalidInput where it is no whole number, or no float tells its angles."""
     whole = whole_number("degree", degree)
-    if abs(whole) > LARGEST_DEGREE:
+    if abs(whole) > _LARGEST_DEGREE:
         raise InvalidInput("degree must lie within ±1e15: angles are lost to rounding beyond")
     return whole
 

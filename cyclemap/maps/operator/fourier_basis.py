@@ -226,16 +226,20 @@ class FourierDiscretisation:
         return sizes_on_grid(factors, 4)
 
     def coupling(self, left: Array | Complex, right: Array | Complex) -> Array:
-        """(k, k): how much wᵀLv changes when F is off by its ``max_error``, to first order, at
-        most; w a column of ``left``, v one of ``right``.
+        """(k, k): how much wᵀLv changes when F is off by its ``max_error`` ε, at most; w a column
+        of ``left``, v one of ``right``.
 
-        ε ∫ |∂E w(F + ξ)/∂F| |v| dθ.
+        ε ∫ |g'(F)| |v| dθ + ½ε² sup|g''| ∫ |v| dθ, g(y) = E w(y + ξ).
         """
         _, weight = self.rule
+        epsilon = self.map.max_error
         # In real columns: with complex ones all waves would be made complex first.
         slopes = np.hypot(self.expected_slope(left.real), self.expected_slope(left.imag))
+        bends = [self.slopes_on_grid(each, 2).max(axis=0) for each in (left.real, left.imag)]
         sizes = np.hypot(self.on_nodes(right.real), self.on_nodes(right.imag))
-        return self.map.max_error * (slopes.T @ _times(weight, sizes))
+        masses = _times(weight, sizes)
+        beyond = 0.5 * epsilon * np.multiply.outer(np.hypot(*bends), masses.sum(axis=0))
+        return np.asarray(epsilon * (slopes.T @ masses + beyond))
 
     @property
     def moved(self) -> float:

@@ -85,8 +85,8 @@ class Discretisation(Protocol):
         """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
 
     def coupling(self, left: Array | Complex, right: Array | Complex) -> Array:
-        """(k, k): how much wᵀLv changes when F is off by its ``max_error``, to first order, at
-        most; w a column of ``left``, v one of ``right``.
+        """(k, k): how much wᵀLv changes when F is off by its ``max_error``, at most; w a column of
+        ``left``, v one of ``right``.
         """
 
     @property
@@ -283,7 +283,8 @@ class FourierLaw(StationaryLaw):
         on an even grid of two θ a mode.
 
         As in ``_moved`` with h all at θ, but for the other law p': ∫|p' - p| is at most ε m, m the
-        mean of a(F), a(y) = ∫ |g_θ'(y)| dθ, under p', and so m <= E a(F) + ½ε m sup a.
+        mean under p' of the most that a is within ε of F, a(y) = ∫ |g_θ'(y)| dθ, and so m <= E a(F)
+        + ½ε m sup a + ε sup b, b(y) = ∫ |g_θ''(y)| dθ.
         """
         basis = self.basis
         epsilon = basis.map.max_error
@@ -294,18 +295,20 @@ class FourierLaw(StationaryLaw):
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
         at = basis.rule[0][held]
         moved, steepest, bend = [], [], []
-        across = np.zeros(1)
+        across, bent = np.zeros(1), np.zeros(1)
         for block in np.array_split(where, 1 + where.size // _COLUMNS):
             dual = self.dual(basis.evaluate(block))
             moved.append(mass[held] @ np.abs(basis.expected_slope(dual, at)))
             slopes = basis.slopes_on_grid(dual, 1)
             across = across + slopes.sum(axis=1) * where[1]
             steepest.append(slopes.max(axis=0))
-            bend.append(basis.slopes_on_grid(dual, 2).max(axis=0))
+            bends = basis.slopes_on_grid(dual, 2)
+            bent = bent + bends.sum(axis=1) * where[1]
+            bend.append(bends.max(axis=0))
         first = np.concatenate(moved)
         highest = float(np.max(across))
         held_back = 1.0 - 0.5 * epsilon * highest
-        mean = float(np.sum(first)) * where[1]
+        mean = float(np.sum(first)) * where[1] + epsilon * float(np.max(bent))
         carried = min(highest, mean / held_back) if held_back > 0.0 else highest
         second = 0.5 * (np.concatenate(bend) + carried * np.concatenate(steepest))
         return np.asarray(epsilon * (_MISSED * first + epsilon * second))

@@ -285,9 +285,7 @@ def _blended(before: CircleMap, after: CircleMap, share: float, off: float) -> C
 
 
 _TOLERANCE = 1e-2  # turns
-_SUMMED = (
-    200  # cycles up to which the windings are added up one by one: no dearer than to integrate
-)
+_SUMMED = 200  # cycles up to which windings are added up: no dearer than to integrate
 _NODES = 21  # of the quadrature, a panel
 _KINKS = 12  # knots of a blend, at which its winding bends, up to which each is an end of a panel
 

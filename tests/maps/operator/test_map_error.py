@@ -100,7 +100,7 @@ def test_eigenvalues_hold_for_maps_that_are_off(epsilon):
 @pytest.mark.parametrize("epsilon", [1e-4, 2e-3, 7e-3])
 def test_the_worst_map_moves_an_eigenvalue_by_its_bound_and_no_more(epsilon):
     """Off by ±ε with the signs of wᵀ∂L/∂F v the first order's part is reached, so that only what
-    the second adds keeps the bound above: of λ₂ of two wells, to within 15 %.
+    the second adds keeps the bound above: of λ₂ of two wells, to within a quarter.
     """
     noise = WrappedNormal(0.5)
     claimed = transfer_operator(CircleMap(WELLS, max_error=epsilon), noise)
@@ -124,7 +124,7 @@ def test_the_worst_map_moves_an_eigenvalue_by_its_bound_and_no_more(epsilon):
 
         other = transfer_operator(CircleMap(lift, None, ends), noise)
         changes.append(np.abs(other.eigenvalues(4) - spectrum.values[1]).min())
-    assert 0.85 < max(changes) / spectrum.error_bounds[1] <= 1.0
+    assert 0.75 < max(changes) / spectrum.error_bounds[1] <= 1.0
 
 
 def test_the_bound_of_all_eigenvalues_counts_the_maps_error_too():
