@@ -20,6 +20,7 @@ TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 400, endpoint=False)
 LOCKED, FOLDED = CircleMap.arnold(0.1, 0.9), CircleMap.arnold(0.3, 1.7)
 WELLS = CircleMap(lambda x: x - 0.35 * np.sin(2 * x) + 0.05 * np.sin(x))
+EVEN_WELLS = CircleMap(lambda x: x - 0.2 * np.sin(2 * x))
 WAVES = [(0, 0.0), (0, np.pi), *((order, phase) for order in (1, 2, 4) for phase in range(3))]
 TOLD = ["moment(1)", "moment(2)", "density", "winding", "tv", "mean", "gap", "diffusion"]
 
@@ -97,18 +98,20 @@ def test_eigenvalues_hold_for_maps_that_are_off(epsilon):
     assert judged >= 15
 
 
-@pytest.mark.parametrize("epsilon", [1e-4, 2e-3, 7e-3])
+@pytest.mark.parametrize("epsilon", [1e-4, 2e-3, 5e-3])
 def test_the_worst_map_moves_an_eigenvalue_by_its_bound_and_no_more(epsilon):
     """Off by ±ε with the signs of wᵀ∂L/∂F v the first order's part is reached, so that only what
     the second adds keeps the bound above: of λ₂ of two wells, to within a quarter.
     """
     noise = WrappedNormal(0.5)
-    claimed = transfer_operator(CircleMap(WELLS, max_error=epsilon), noise)
+    claimed = transfer_operator(CircleMap(EVEN_WELLS, max_error=epsilon), noise)
     spectrum = claimed.spectrum(3)
     basis = claimed.discretisation
     points = np.linspace(0, TWO_PI, 20_000, endpoint=False)
     factors = basis.derived(basis.kappa * spectrum.left[:, 1].real)
-    response = basis.dual(WELLS(points), factors) * basis.density(points, spectrum.right[:, 1].real)
+    response = basis.dual(EVEN_WELLS(points), factors) * basis.density(
+        points, spectrum.right[:, 1].real
+    )
     ends = points[np.flatnonzero(np.diff(np.sign(response), append=np.sign(response[0])))]
     assert 2 <= ends.size <= 20
     sign = np.sign(
@@ -120,7 +123,7 @@ def test_the_worst_map_moves_an_eigenvalue_by_its_bound_and_no_more(epsilon):
     for way in (epsilon, -epsilon):
 
         def lift(x, way=way):
-            return WELLS(x) + way * sign[np.searchsorted(ends, np.mod(x, TWO_PI)) - 1]
+            return EVEN_WELLS(x) + way * sign[np.searchsorted(ends, np.mod(x, TWO_PI)) - 1]
 
         other = transfer_operator(CircleMap(lift, None, ends), noise)
         changes.append(np.abs(other.eigenvalues(4) - spectrum.values[1]).min())
