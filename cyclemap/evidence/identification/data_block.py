@@ -98,6 +98,9 @@ class DataBlock:
     stayed : callable or None, optional
         Of strokes: values -> after how many the object is taken to be where it was, since the
         rod misses it or the motion has no answer.
+    refined : callable or None, optional
+        Values by name -> residuals (n,), computed so much more closely than those of `function`
+        that the difference is its error; None where it has none to speak of.
 
     Raises
     ------
@@ -126,6 +129,7 @@ class DataBlock:
     curve: Callable[[Values, Array, bool], Array] | None = None
     asked: tuple[str, ...] = ()
     stayed: Callable[[Values], int] | None = None
+    refined: Callable[[Values], Array] | None = None
 
     def __post_init__(self) -> None:
         groups = np.array(self.groups)
@@ -181,6 +185,15 @@ class DataBlock:
             )
         return residual, jacobian
 
+    def numerical_errors(self, values: Values) -> Array:
+        """Return how far the residuals (n,) are off since they are computed, in the data's own
+        units.
+        """
+        if self.refined is None:
+            return np.zeros(self.groups.size)
+        given = self.own_values(values)
+        return self.function(given)[0] - self.refined(given)
+
     def columns_by(self, names: Sequence[str], jacobian: Array) -> Array:
         """Return derivatives (n, k) by names of those by the block's parameters, 0 by others."""
         same = np.array(self.parameters)[:, np.newaxis] == np.array(names, dtype=np.str_)
@@ -193,6 +206,7 @@ class DataBlock:
         rows = np.flatnonzero(keep)
         whole = self.function
         of_rows = self.part
+        refined = self.refined
 
         def some(values: Values) -> Rows:
             residual, jacobian = whole(values)
@@ -206,6 +220,7 @@ class DataBlock:
             part=None if of_rows is None else lambda fewer: of_rows(rows[fewer]),
             motions=None,
             stayed=None,
+            refined=None if refined is None else lambda values: refined(values)[rows],
         )
 
     def of_owner(self, owner: str, owned: Sequence[Parameter]) -> DataBlock:
@@ -298,6 +313,13 @@ class JointProblem:
             residuals.append(residual)
             jacobians.append(block.columns_by(self.space.names, jacobian))
         return np.concatenate(residuals), np.concatenate(jacobians)
+
+    def numerical_errors(self, vector: Array) -> Array:
+        """Return how far the residuals (n,) at values (k,) of the free parameters are off since they
+        are computed.
+        """
+        values = self.values(vector)
+        return np.concatenate([block.numerical_errors(values) for block in self.blocks])
 
     def subset(self, keep: ArrayLike, values: Values) -> JointProblem:
         """Return the problem of the rows where `keep` (n,) is true; empty blocks drop out.

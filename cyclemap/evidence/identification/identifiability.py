@@ -50,7 +50,10 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw = NORMAL) -> Unce
 
     Rows of single groups, or of noise that was given: the inverse information. Where rows share
     groups otherwise: the sandwich of Liang & Zeger. To both comes what estimating the weights of
-    the kinds from the same data costs.
+    the kinds from the same data costs, and by how much the fit is off since predictions are
+    computed.
+
+    Raises what the model raises where it is computed more closely.
     """
     scale = problem.space.scale
     kinds = problem.kind_index
@@ -81,6 +84,10 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw = NORMAL) -> Unce
         spent = np.diag(sandwich + by_weights) ** 2 / of_groups
         spent += np.sum(share[is_belief] ** 2 / redundancy[is_belief], axis=0)
         freedom = _degrees(np.diag(covariance) ** 2, spent)
+    # Errors of computed predictions are no chance: they move the fit as one.
+    off = problem.numerical_errors(fit.vector) / fit.noise[kinds]
+    moved = inverse @ (jacobian.T @ off)
+    covariance = covariance + np.outer(moved, moved)
     error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     outer = np.outer(error, error)
     correlation = np.divide(covariance, outer, out=np.eye(error.size), where=outer > 0.0)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,6 +49,9 @@ from cyclemap.mechanics.foundation import FloorField
 # Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of
 # exact ones.
 ACCURACY = 1e-3
+# What tells by how much strokes, and cycles, are off at the accuracy that is searched at.
+_REFINED = 1e-6
+_REFINED_CYCLES = 1e-9
 TIP_OFFSET = tuple(
     Parameter(
         f"tip_offset_{axis}",
@@ -81,6 +85,7 @@ _WEAR_NODES = (0.0, 0.15, 0.5, 0.85, 1.0)
 _SECTOR_DEG, _FEWEST_PASSES, _MANY_CYCLES = 20, 25, 200
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 47
+_REFINED_NODES = 95
 CYCLE_ACCURACY = 1e-6
 
 
@@ -232,10 +237,10 @@ def _stroke_block(
     parameters = (*unknowns, *(parameter.name for parameter in own_parameters))
     measured = np.array([(stroke.end.x, stroke.end.y, stroke.end.theta) for stroke in strokes])
 
-    def misfit(chosen: Labels, values: Values) -> StrokeEnds:
+    def misfit(chosen: Labels, values: Values, accuracy: float = ACCURACY) -> StrokeEnds:
         surface = SurfaceParameters.from_values(values)
         field = floor_field(values)
-        model = surface_model(surface, slider, field=field, rod_radius=rod_radius)
+        model = surface_model(surface, slider, accuracy, field, rod_radius)
         predicted, by, stayed = ends(model, chosen, values)
         by_surface = surface.chain(by[..., : len(names)], names, unknowns)
         jacobian = np.concatenate([by_surface, by[..., len(names) :]], axis=-1)
@@ -250,6 +255,7 @@ def _stroke_block(
 
         return function
 
+    everything = np.arange(len(strokes))
     turned = [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
     groups = np.repeat([stroke.contact for stroke in strokes], count)
     return DataBlock(
@@ -261,7 +267,8 @@ def _stroke_block(
         own_parameters,
         part,
         np.array(turned),
-        stayed=lambda values: int(np.sum(misfit(np.arange(len(strokes)), values)[2])),
+        stayed=lambda values: int(np.sum(misfit(everything, values)[2])),
+        refined=lambda values: misfit(everything, values, _REFINED)[0].ravel(),
     )
 
 
@@ -356,7 +363,8 @@ def cycle_pair_block(
         passed = finite_array("elapsed share of the data", elapsed, ndim=1)
         if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
             raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
-    cycles = _CycleTurns(loop, interpolation(angles, NODES), measured, passed)
+    cycles = _CycleTurns(loop, angles, measured, passed)
+    refined = replace(cycles, nodes=_REFINED_NODES, accuracy=_REFINED_CYCLES)
     return DataBlock(
         "cycles",
         (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters)),
@@ -366,6 +374,7 @@ def cycle_pair_block(
         own_parameters,
         motions=np.column_stack([angles, measured]),
         curve=cycles.curve,
+        refined=lambda values: refined.residuals(values)[0],
     )
 
 
@@ -374,14 +383,21 @@ class _CycleTurns:
     """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones; where the
     surface wears these are computed at _WEAR_NODES, with a polynomial between.
 
-    between : (n, NODES), from the nodes to the orientations of the cycles.
+    theta : (n,), orientations before the cycles, rad.
     elapsed : (n,), shares of the data made before; None where nothing wears.
     """
 
     loop: CollectionLoop
-    between: Array
+    theta: Array
     measured: Array
     elapsed: Array | None
+    nodes: int = NODES
+    accuracy: float = CYCLE_ACCURACY
+
+    @cached_property
+    def between(self) -> Array:
+        """The matrix (n, nodes) from the nodes to the orientations of the cycles."""
+        return interpolation(self.theta, self.nodes)
 
     def at_nodes(self, values: Values, worn: float = 0.0) -> Rows:
         """Return turns at the nodes on a surface as worn as that, and their derivatives by
@@ -391,8 +407,8 @@ class _CycleTurns:
         for name in WORN if worn else ():
             blended[name] = (1.0 - worn) * values[name] + worn * values[f"worn_{name}"]
         surface = SurfaceParameters.from_values(blended)
-        places = even_angles(NODES)
-        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, places)
+        places = even_angles(self.nodes)
+        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, places, self.accuracy)
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 
     def residuals(self, values: Values) -> Rows:
@@ -421,7 +437,7 @@ class _CycleTurns:
 
     def curve(self, values: Values, around: Array, late: bool) -> Array:
         """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
-        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
+        return interpolation(around, self.nodes) @ self.at_nodes(values, float(late))[0]
 
 
 def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
@@ -446,7 +462,10 @@ def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
 
 
 def cycles_by_unknowns(
-    surface: SurfaceParameters, loop: CollectionLoop, theta: Array
+    surface: SurfaceParameters,
+    loop: CollectionLoop,
+    theta: Array,
+    accuracy: float = CYCLE_ACCURACY,
 ) -> tuple[CycleBatch, Array]:
     """Run cycles of the loop on an identified surface from theta (n,), rad; with d CYCLE_OUTPUTS /
     d CYCLE_UNKNOWNS.
@@ -454,16 +473,18 @@ def cycles_by_unknowns(
     The batch has the shape (1, n), the derivatives (n, 6, k).
     """
     names = (*PUSH_NAMES, "pin_friction_radius")
-    runs = run_batch((loop_on(surface, loop),), theta[None], len(PARAMETERS))
+    runs = run_batch((loop_on(surface, loop, accuracy),), theta[None], len(PARAMETERS))
     by_names = in_kpa(loop.slider, names, runs.jacobian[0])
     return runs, surface.chain(by_names, names, CYCLE_UNKNOWNS)
 
 
-def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
+def loop_on(
+    surface: SurfaceParameters, loop: CollectionLoop, accuracy: float = CYCLE_ACCURACY
+) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, shapes and ring that were identified
     along with it.
     """
     rod_and_ring = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
     material = Material("identified", surface.to_friction(), found_with=rod_and_ring)
-    changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)
+    changed = replace(loop, accuracy=accuracy).with_material(material)
     return replace(changed, footprint=surface.footprint(loop.slider))

@@ -1,0 +1,100 @@
+"""Predictions are computed to an accuracy: what that moves an estimate by is in its interval."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from cyclemap import Pose, SidePush, Slider
+from cyclemap.evidence import (
+    DataBlock,
+    MeasuredDrag,
+    SurfaceParameters,
+    drag_turn_block,
+    identify,
+    push_end_block,
+)
+from cyclemap.evidence.identification.stroke_block import surface_model
+from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.predicted_strokes import (
+    predicted_drag_ends,
+    predicted_push_ends,
+    push_from_contact,
+)
+
+PLATE = Slider.mit("rect1")
+FREE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "floor_dome", "floor_bow_x")
+
+
+def usual_values(rng: np.random.Generator) -> dict[str, float]:
+    """A surface of a usual kind."""
+    drawn = {
+        "ellipticity_x": rng.normal(0.0, 0.1),
+        "ellipticity_y": rng.normal(0.0, 0.1),
+        "offset_x": rng.normal(0.0, 0.05),
+        "offset_y": rng.normal(0.0, 0.05),
+        "pusher_friction": rng.uniform(0.1, 0.3),
+        "floor_dome": rng.uniform(1.0, 4.0),
+        "floor_bow_x": rng.normal(0.0, 2.0),
+    }
+    return {**SurfaceParameters().values(), **drawn}
+
+
+def test_an_error_of_the_computation_moves_the_estimate_within_its_interval() -> None:
+    """Rows computed .01 too large, nearly without noise: the truth is .01 away, and is in the
+    interval; without word of that error it is outside."""
+    data = 0.2 + 1e-6 * np.cos(7.0 * np.arange(12))
+
+    def coarse(values: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        return values["pusher_friction"] + 0.01 - data, np.ones((12, 1))
+
+    def exact(values: dict[str, float]) -> np.ndarray:
+        return values["pusher_friction"] - data
+
+    plain = DataBlock("ratios", ("pusher_friction",), coarse, np.arange(12), "ratio")
+    told = replace(plain, refined=exact)
+    silent = identify([plain], ["pusher_friction"], starts=1)["pusher_friction"]
+    honest = identify([told], ["pusher_friction"], starts=1)["pusher_friction"]
+    assert silent.upper < 0.2
+    assert honest.value == silent.value
+    assert honest.lower < 0.2 < honest.upper
+    assert np.isclose(honest.standard_error, 0.01, rtol=1e-3)
+    # A part of the rows keeps its own errors.
+    half = told.subset(np.arange(12) < 6)
+    assert np.allclose(half.numerical_errors({"pusher_friction": 0.3}), 0.01)
+
+
+def test_intervals_of_exact_pushes_and_drags_hold_the_truth() -> None:
+    """Strokes computed a million times more closely than the search computes them, without noise:
+    what is identified is off by the search's own accuracy alone, and says so."""
+    rng = np.random.default_rng(1)
+    asked = 0
+    for _ in range(4):
+        values = usual_values(rng)
+        model = surface_model(SurfaceParameters.from_values(values), PLATE, 1e-9)
+        pushes = []
+        drags = []
+        for _ in range(30):
+            start = Pose(0.0, 0.0, rng.uniform(0.0, 2.0 * np.pi))
+            side = SidePush(
+                int(rng.integers(4)),
+                float(rng.uniform(0.1, 0.9)),
+                float(rng.uniform(-0.6, 0.6)),
+                float(rng.uniform(0.03, 0.15)),
+            )
+            pushes.append(push_from_contact(PLATE, 0.00475, side, start, start))
+            apart = Pose(*rng.uniform(-0.05, 0.1, 2), start.theta)
+            drags.append(MeasuredDrag(apart, Pose()))
+        push_ends = predicted_push_ends(model, pushes)[0].tolist()
+        drag_ends = predicted_drag_ends(model, drags, values["pin_friction_radius"])[0].tolist()
+        for index in range(30):
+            pushes[index] = replace(pushes[index], end=Pose(*push_ends[index]), contact=index)
+            drags[index] = replace(drags[index], end=Pose(*drag_ends[index]), contact=index)
+        blocks = [push_end_block(pushes, PLATE), drag_turn_block(drags, PLATE)]
+        free = (*FREE, "pusher_friction")
+        fixed = {name: values[name] for name in SURFACE.names if name not in free}
+        estimates = identify(blocks, free, fixed, starts=1).estimates
+        for row in estimates:
+            asked += 1
+            assert row.lower <= values[row.name] <= row.upper, row
+            assert row.standard_error < 1e-2
+    assert asked == 28
