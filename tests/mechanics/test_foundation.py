@@ -179,6 +179,18 @@ def test_a_trough_that_just_touches_in_the_middle_is_balanced(outline, bow):
             np.testing.assert_allclose(found, (1.0, 0.0, 0.0), rtol=0.0, atol=1e-11)
 
 
+def test_slivers_in_two_corners_are_cut_off_alone():
+    # P = 0 is a hyperbola that bends by two hundredths across to what it bends by along: nothing
+    # runs from one of its branches to the other, between which rounding would have it bend.
+    outline = Polygon(((0.04, 0.03), (-0.04, 0.03), (-0.04, -0.03), (0.04, -0.03)))
+    plate = SurfaceShape(8.101898201730458, 0.9577288880504555, 1.014216064321661)
+    floor = SurfaceShape(-5.161052958961521, 3.85009274318957, 1.5923354350937586)
+    footprint = PressedFootprint(outline, plate, floor)
+    for turn in np.linspace(2.25, 2.35, 5):
+        found = contact_integrals(footprint, turn)
+        np.testing.assert_allclose(found, (1.0, 0.0, 0.0), rtol=0.0, atol=1e-9)
+
+
 THETA = np.linspace(0.0, 6.0, 7)
 
 

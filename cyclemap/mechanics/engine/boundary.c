@@ -312,8 +312,11 @@ static void put_ends(Pressed *at, const Place *from, const Place *to) {
    `side` is 1, so that v falls along it there, and grows on the other. */
 static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, double side,
                        double width, const Places *branch) {
+    int is_hyperbola = k->a * k->d < 0.0;
     for (int i = 0; i + 1 < branch->count; ++i) {
         const Place *low = branch->of + i, *high = low + 1;
+        /* a hyperbola has nothing between its own two branches */
+        if (is_hyperbola && low->kind == IS_INNER && high->kind == IS_INNER) continue;
         const Place *from = side > 0.0 ? high : low, *to = side > 0.0 ? low : high;
         int is_begun = from->kind != IS_END, is_ended = to->kind != IS_START;
         if (is_begun != is_ended) {
