@@ -97,12 +97,10 @@ class Anisotropy:
                 "friction must be an EllipseFriction, such as loop.material.friction, not "
                 f"{friction!r}"
             )
-        product = friction.mu_a * friction.mu_b
-        mean = math.sqrt(product)
-        if not 0.0 < product < math.inf:
-            mean = math.sqrt(friction.mu_a) * math.sqrt(friction.mu_b)
+        # Neither a product nor a quotient, which may leave the floats.
+        mean = math.sqrt(friction.mu_a) * math.sqrt(friction.mu_b)
         vector = complex(friction.m0, friction.n0) / mean
-        signed = 0.5 * math.log(friction.mu_a / friction.mu_b)
+        signed = 0.5 * (math.log(friction.mu_a) - math.log(friction.mu_b))
         axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi
         vector *= cmath.exp(1j * friction.phi)
         return cls(abs(vector), cmath.phase(vector), abs(signed), axis % math.pi)
