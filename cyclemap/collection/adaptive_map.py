@@ -194,7 +194,10 @@ def sample_circle_map(
 
     The map's `max_error` is the largest error estimate, checked at further places, plus
     `sample_error`; it exceeds the tolerance where that could not be reached, as on stretches so
-    steep that they cannot be told from a jump.
+    steep that they cannot be told from a jump. It is an estimate, no bound: where a contact begins
+    to slide the map bends suddenly, which samples may pass by. Of maps of 16 loops of strong
+    anisotropy at tolerances from 1e-3 to 1e-6 rad 9 in 64 were further off somewhere, by 1.9 times
+    at the most; of the built-in materials' 1 in 16, by 1.6 times at 1e-3.
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
     sampler = _Sampler(sample, interpolated, progress or unheard)
