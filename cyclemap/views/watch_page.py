@@ -268,7 +268,8 @@ def _gathering(audit: Audit) -> str:
         return f"Nothing shows that they lock in (at an alarm rate of {audit.alarm_rate:g})."
     how = "lock in" if audit.gathered > _LOCKED else "linger again and again"
     return (
-        f"From push {start} on they {how} about {directions(alarm.directions)}: "
+        f"From push {start} on, of those read, counted from 0, they {how} about "
+        f"{directions(alarm.directions)}: "
         f"{audit.gathered:.0%} of the {len(audit.theta) - start} pushes from there on lie within "
         "10° of it."
     )

@@ -38,6 +38,19 @@ def test_a_collection_that_ends_in_one_direction_is_told_from_which_push_on(tmp_
     )
 
 
+def test_the_push_from_which_on_data_lock_in_is_counted_as_is_said(tmp_path) -> None:
+    """Whatever numbers the data give their pushes, the place among those read is told, as that."""
+    theta = np.concatenate([np.arange(78.0, 420.0, 15.0), np.full(40, 423.0)])
+    path = table(tmp_path, theta, np.full(theta.size, 60.0))
+    columns = [line.rsplit(",", 1) for line in path.read_text().splitlines()[1:]]
+    lines = [f"{pose},{500 + int(number)}" for pose, number in columns]
+    path.write_text("\n".join(["x0,y0,th0,x1,y1,th1,rep", *lines]) + "\n")
+    found = audit(path)
+    assert 20 <= found.locked_from <= 30
+    said = f"From push {found.locked_from} on, of those read, counted from 0, they lock in"
+    assert said in audit_paragraph(found)
+
+
 def test_orientations_spread_evenly_are_good_as_they_are(tmp_path) -> None:
     theta = np.random.default_rng(2).uniform(0.0, 360.0, 200)
     found = audit(table(tmp_path, theta))
