@@ -2,6 +2,8 @@
 tell.
 """
 
+import math
+
 import numpy as np
 import pytest
 from refusals import refused
@@ -90,3 +92,16 @@ def test_what_the_reset_took_back_is_told_where_poses_tell_it(tmp_path) -> None:
     assert found.reset.slope == pytest.approx(-0.9, abs=1e-9)
     assert "90% back" in audit_paragraph(found)
     assert render(audit_page(found)).startswith(b"\x89PNG")
+
+
+def test_no_share_is_told_of_a_turn_that_may_be_none_and_no_slope_of_turns_alike(tmp_path) -> None:
+    """Pushes that turn the object by nothing, by noise about nothing, and all by exactly 60
+    degrees.
+    """
+    random = np.random.default_rng(5)
+    theta = np.cumsum(random.normal(5.0, 1.0, 60))
+    for turn in (np.zeros(60), random.normal(0.0, 1.0, 60)):
+        found = audit(table(tmp_path, theta, turn))
+        assert math.isnan(found.reset.undone) and "% back" not in audit_paragraph(found)
+    alike = audit(table(tmp_path, theta, np.full(60, 60.0)))
+    assert math.isnan(alike.reset.slope) and "92% back" in audit_paragraph(alike)
