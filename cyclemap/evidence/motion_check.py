@@ -538,12 +538,12 @@ class _Alike(_Test):
         return np.full(len(own), _middle(own[:, 0])), np.zeros(len(own))
 
     def readings(self, taken: _Reading) -> list[_Reading]:
-        """The other sense of angles, and other units of them."""
-        if not self.written.is_spread:
-            return []
+        """The other sense of angles, and where directions are spread other units of them."""
         angles = "clockwise" if taken.convention.sense > 0.0 else "counter-clockwise"
-        other = _Reading(replace(taken.convention, angles=angles))
-        return [other, *(_Reading(taken.convention, angle=factor) for factor in _TURNED.values())]
+        others = [_Reading(replace(taken.convention, angles=angles))]
+        if self.written.is_spread:
+            others += [_Reading(taken.convention, angle=factor) for factor in _TURNED.values()]
+        return others
 
     def alternative(self, taken: _Reading) -> str:
         """Axes laid the other way do the same."""

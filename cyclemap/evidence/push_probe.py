@@ -26,7 +26,12 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
-from cyclemap.evidence.laws.linear_fit import LinearFit, fit_linear, fourier_columns
+from cyclemap.evidence.laws.linear_fit import (
+    LinearFit,
+    fit_linear,
+    fourier_columns,
+    student_quantile,
+)
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Material, Pose
 from cyclemap.mechanics.contact_curve import first_contact
@@ -47,6 +52,8 @@ _ROUNDING = 1e-9
 # A map is asked for where it locks; no finer than intervals of probes are.
 _TOLERANCE = 1e-4
 _AROUND = np.linspace(0.0, TWO_PI, 721)
+# Of the numbers of an ellipse, for differences.
+_STEP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -97,6 +104,8 @@ class Probe:
         Its centre over the mean radius.
     explained : float
         Share of the pushes' dependence on orientation that it accounts for.
+    covariance : ndarray, shape (4, 4)
+        Of the ellipse's numbers, as `Anisotropy.of_components` takes them.
 
     Examples
     --------
@@ -120,6 +129,7 @@ class Probe:
     ratio: Interval = field(metadata={"name": "axis_ratio"})
     offset: Interval
     explained: float
+    covariance: Array
 
     @property
     def found(self) -> bool:
@@ -131,28 +141,63 @@ class Probe:
     @cached_property
     def mimic(self) -> CollectionLoop:
         """The loop on the friction ellipse that mimics what was probed."""
+        return self._on(self.anisotropy)
+
+    def _on(self, anisotropy: Anisotropy) -> CollectionLoop:
         law = self.loop.material.friction
-        friction = self.anisotropy.friction(math.sqrt(law.mu_a * law.mu_b))
+        friction = anisotropy.friction(math.sqrt(law.mu_a * law.mu_b))
         return replace(
             self.loop, material=Material(f"{self.loop.material.name} (probed)", friction)
         )
 
     @cached_property
-    def stable(self) -> tuple[float, ...]:
-        """Orientations (rad) in which a collection on that ellipse would lock; none where it would
-        not.
+    def stable(self) -> tuple[Interval, ...]:
+        """Orientations (rad) in which a collection on that ellipse would lock, each with what noise
+        leaves open, to first order; none where it would not.
         """
-        return tuple(
-            orbit.points[0]
-            for orbit in fixed_points(self.mimic.circle_map(_TOLERANCE))
-            if orbit.stable
-        )
+        stable = []
+        for orbit in fixed_points(self.mimic.circle_map(_TOLERANCE)):
+            if orbit.stable:
+                theta = orbit.points[0]
+                reach = self.turn_reach(theta) / (1.0 - orbit.multiplier)
+                stable.append(Interval(theta, theta - reach, theta + reach))
+        return tuple(stable)
+
+    def turn_reach(self, theta: float) -> float:
+        """Half of the 95 % interval, rad, of the turn of a cycle from orientation `theta`, rad, on
+        that ellipse.
+        """
+        values = self.anisotropy.seen_from(0.0)
+        place = np.array([theta])
+        slopes = []
+        for step in _STEP * np.eye(4):
+            ends = [
+                self._on(Anisotropy.of_components(moved)).next_theta(place)[0]
+                for moved in (values + step, values - step)
+            ]
+            slopes.append((ends[0] - ends[1]) / (2.0 * _STEP))
+        variance = float(np.array(slopes) @ self.covariance @ slopes)
+        return student_quantile(CONFIDENCE, 3 * self.theta.size - 7) * math.sqrt(variance)
 
     @cached_property
     def turns(self) -> tuple[float, float]:
         """Least and greatest turn of a cycle on that ellipse, rad."""
-        turned = self.mimic.next_theta(_AROUND[::4]) - _AROUND[::4]
+        turned = self._turned
         return float(turned.min()), float(turned.max())
+
+    @cached_property
+    def slowest(self) -> Interval:
+        """The turn of a cycle on that ellipse (rad) where it is nearest to none, with what noise
+        leaves open, to first order.
+        """
+        place = int(np.argmin(np.abs(self._turned)))
+        turn = float(self._turned[place])
+        reach = self.turn_reach(float(_AROUND[::4][place]))
+        return Interval(turn, turn - reach, turn + reach)
+
+    @cached_property
+    def _turned(self) -> Array:
+        return self.mimic.next_theta(_AROUND[::4]) - _AROUND[::4]
 
 
 def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
@@ -286,6 +331,7 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
         Interval(*ratio),
         Interval(*offset),
         explained,
+        covariance,
     )
 
 

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 LEAST_WORTH = 0.5
 FEWEST = 10
 _NEAR = np.radians(10.0)
+# Turns alike to this (rad) are alike but for rounding.
+_ALIKE = 1e-9
+# What a reset takes back is a share of a mean turn that is so many of its errors from none.
+_SURELY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +46,11 @@ class ResetEffect:
     push_turn, reset_turn : ndarray, shape (n,)
         Of each push and of what followed it until the next, rad.
     undone : float
-        Share of the mean turn of a push that the reset takes back; 1: all of it.
+        Share of the mean turn of a push that the reset takes back; 1: all of it. NaN where
+        that mean may be none.
     slope : float
-        Of a reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
+        Of a reset's turn on its push's, -1 where it undoes each push, 0 where it knows none;
+        NaN where pushes turn alike.
     """
 
     push_turn: Array
@@ -246,7 +252,11 @@ def _effect(rows: pandas.DataFrame) -> ResetEffect | None:
     before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
     push_turn = after - before
     reset_turn = then - after
-    spread = float(np.var(push_turn, ddof=1))
-    slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else math.nan
-    undone = float(-reset_turn.mean() / push_turn.mean())
+    mean = float(push_turn.mean())
+    spread = float(np.std(push_turn, ddof=1))
+    slope = undone = math.nan
+    if spread > _ALIKE:
+        slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread**2)
+    if abs(mean) > max(_ALIKE, _SURELY * spread / math.sqrt(push_turn.size)):
+        undone = float(-reset_turn.mean() / mean)
     return ResetEffect(push_turn, reset_turn, undone, slope)

@@ -145,17 +145,30 @@ def probe_sentences(probe: Probe) -> tuple[str, ...]:
         f"{probe.ratio.upper:.4g}), longer along {angle(probe.anisotropy.ellipse_direction)}, its "
         f"centre {probe.offset.value:.2g} of the mean radius off ({probe.offset.lower:.2g} to "
         f"{probe.offset.upper:.2g}), explains {probe.explained:.0%} of that; {noise}.",
-        f"A push-and-drag-back collection on such a surface locks in {_lock_words(probe)}.",
+        _lock_sentence(probe),
     )
 
 
-def _lock_words(probe: Probe) -> str:
-    """Where a collection would lock in, or how far a cycle turns where it would not."""
+def _lock_sentence(probe: Probe) -> str:
+    """Where a collection would lock in, how surely, or how far a cycle turns where it would not."""
+    collection = "push-and-drag-back collection on such a surface"
     if probe.stable:
-        where = " and at ".join(orientation_and_push(theta, probe.loop) for theta in probe.stable)
-        return f"at {where}"
+        places = []
+        for known in probe.stable:
+            reach = min(known.upper - known.value, math.pi)
+            decimals = int(reach < math.radians(1.0))
+            where = orientation_and_push(known.value, probe.loop, decimals)
+            places.append(f"{where}, within ±{angle(reach, decimals)}")
+        return f"A {collection} locks in at {' and at '.join(places)} (95 % confidence)."
     low, high = (angle(turn) for turn in probe.turns)
-    return f"nowhere: a cycle turns it by {low} to {high}"
+    slowest = probe.slowest
+    if slowest.lower * slowest.upper > 0.0:
+        return f"A {collection} locks in nowhere: a cycle turns it by {low} to {high}."
+    least, most = (angle(turn) for turn in (slowest.lower, slowest.upper))
+    return (
+        f"Whether a {collection} locks in cannot be told: a cycle turns it by {low} to {high}, "
+        f"where it is slowest by {least} to {most} (95 % confidence)."
+    )
 
 
 @picture_style()

@@ -2,6 +2,7 @@
 directions, what they are worth, and evidence or what the reset did.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -268,7 +269,8 @@ def _gathering(audit: Audit) -> str:
         return f"Nothing shows that they lock in (at an alarm rate of {audit.alarm_rate:g})."
     how = "lock in" if audit.gathered > _LOCKED else "linger again and again"
     return (
-        f"From push {start} on they {how} about {directions(alarm.directions)}: "
+        f"From push {start} on, of those read, counted from 0, they {how} about "
+        f"{directions(alarm.directions)}: "
         f"{audit.gathered:.0%} of the {len(audit.theta) - start} pushes from there on lie within "
         "10° of it."
     )
@@ -302,9 +304,10 @@ def _undone(audit: Audit) -> str:
     turns = (np.degrees(turn) for turn in (reset.push_turn, reset.reset_turn))
     push, back = (f"{turn.mean():.1f}° ± {turn.std():.1f}°" for turn in turns)
     moved = angle(float((reset.push_turn + reset.reset_turn).mean()))
+    share = "" if math.isnan(reset.undone) else f": that took {reset.undone:.0%} back"
     return (
-        f"A push turned the object by {push}, the reset behind it by {back}: that took "
-        f"{reset.undone:.0%} back, so that the next push began {moved} farther on average."
+        f"A push turned the object by {push}, the reset behind it by {back}{share}, so that the "
+        f"next push began {moved} farther on average."
     )
 
 

@@ -151,3 +151,12 @@ def test_what_is_too_small_or_unreadable_is_told_and_nothing_is_drawn(here, caps
     (told,) = capsys.readouterr().err.splitlines()
     assert "no push could be read: bad/00.json" in told
     assert told.count(".json:") == 10 and "and 3 more" in told
+
+
+def test_why_nothing_could_be_fitted_is_told_of_the_largest_set(here, capsys) -> None:
+    """Sixty pushes from one orientation are enough of them: it is another reason."""
+    (here / "still.csv").write_text("theta0_deg\n" + "45\n" * 60)
+    assert run(["fit", "still.csv"]) == 0
+    said = capsys.readouterr().out
+    assert "nothing could be fitted" in said and "enough pushes" not in said
+    assert "still: 59 pushes" in said and "No cycle map: every point" in said

@@ -2,6 +2,8 @@
 tell.
 """
 
+import math
+
 import numpy as np
 import pytest
 from refusals import refused
@@ -36,6 +38,19 @@ def test_a_collection_that_ends_in_one_direction_is_told_from_which_push_on(tmp_
     assert "lock in about 6" in audit_paragraph(found) and "cyclemap reset" in audit_paragraph(
         found
     )
+
+
+def test_the_push_from_which_on_data_lock_in_is_counted_as_is_said(tmp_path) -> None:
+    """Whatever numbers the data give their pushes, the place among those read is told, as that."""
+    theta = np.concatenate([np.arange(78.0, 420.0, 15.0), np.full(40, 423.0)])
+    path = table(tmp_path, theta, np.full(theta.size, 60.0))
+    columns = [line.rsplit(",", 1) for line in path.read_text().splitlines()[1:]]
+    lines = [f"{pose},{500 + int(number)}" for pose, number in columns]
+    path.write_text("\n".join(["x0,y0,th0,x1,y1,th1,rep", *lines]) + "\n")
+    found = audit(path)
+    assert 20 <= found.locked_from <= 30
+    said = f"From push {found.locked_from} on, of those read, counted from 0, they lock in"
+    assert said in audit_paragraph(found)
 
 
 def test_orientations_spread_evenly_are_good_as_they_are(tmp_path) -> None:
@@ -77,3 +92,16 @@ def test_what_the_reset_took_back_is_told_where_poses_tell_it(tmp_path) -> None:
     assert found.reset.slope == pytest.approx(-0.9, abs=1e-9)
     assert "90% back" in audit_paragraph(found)
     assert render(audit_page(found)).startswith(b"\x89PNG")
+
+
+def test_no_share_is_told_of_a_turn_that_may_be_none_and_no_slope_of_turns_alike(tmp_path) -> None:
+    """Pushes that turn the object by nothing, by noise about nothing, and all by exactly 60
+    degrees.
+    """
+    random = np.random.default_rng(5)
+    theta = np.cumsum(random.normal(5.0, 1.0, 60))
+    for turn in (np.zeros(60), random.normal(0.0, 1.0, 60)):
+        found = audit(table(tmp_path, theta, turn))
+        assert math.isnan(found.reset.undone) and "% back" not in audit_paragraph(found)
+    alike = audit(table(tmp_path, theta, np.full(60, 60.0)))
+    assert math.isnan(alike.reset.slope) and "92% back" in audit_paragraph(alike)

@@ -113,9 +113,16 @@ def _tell(pushes: PushTable, fits: Sequence[SetFit], pictures: Sequence[Path]) -
         f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}",
         *(f"could not be read: {reason}" for reason in reasons_of(pushes.unreadable)),
         *tables,
-        *(sentences or ["nothing could be fitted: no set has enough pushes"]),
+        *(sentences or ["nothing could be fitted", *_largest_in_words(fits)]),
         *(f"picture: {picture}" for picture in pictures),
     )
+
+
+def _largest_in_words(fits: Sequence[SetFit]) -> list[str]:
+    """What the largest set is, and why nothing was fitted to it."""
+    largest = max(fits, key=lambda fit: fit.pushes.count)
+    law = largest.law_problem if largest.pushes.has_motion else None
+    return [*set_sentences(largest), *([f"No law: {law}."] if law else [])]
 
 
 def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:

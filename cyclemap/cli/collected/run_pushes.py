@@ -179,6 +179,7 @@ def _rows(table: pandas.DataFrame) -> list[Json]:
 def run_probe(asked: ProbeOptions) -> None:
     """Probe what is asked for, draw it, and print it for people or as JSON."""
     probed = _probed(asked)
+    stable = probed.stable if probed.found else ()
     report = {
         "pushes": len(probed.theta),
         **json_of(probed, "found", "p_value"),
@@ -188,7 +189,8 @@ def run_probe(asked: ProbeOptions) -> None:
         **json_of(probed, "offset"),
         "offset_deg": degrees(probed.anisotropy.offset_direction),
         **json_of(probed, "explained"),
-        "locks_at_deg": degrees(probed.stable) if probed.found else [],
+        "locks_at_deg": degrees([known.value for known in stable]),
+        "locks_at_95_deg": degrees([(known.lower, known.upper) for known in stable]),
     }
     publish(report, probe_page(probed), asked.results, "probe", *probe_sentences(probed))
 

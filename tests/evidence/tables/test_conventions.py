@@ -103,6 +103,24 @@ def test_without_a_loop_pushes_that_should_be_alike_tell_the_sense_and_not_the_h
             assert check_pushes(pushes)
 
 
+def test_without_a_loop_a_collection_that_locked_in_tells_the_sense_too(tmp_path) -> None:
+    """Orientations within some 30 degrees are enough for motions to tell the sense of angles."""
+    rng = np.random.default_rng(0)
+    theta = 0.9 + 0.1 * rng.standard_normal(40)
+    moved = (0.042 - 0.072j + 0.001 * rng.standard_normal(40)) * np.exp(1j * theta)
+    for sense in (1.0, -1.0):
+        columns = {"x0": 0.0, "y0": 0.0, "theta0": sense * theta, "x1": moved.real}
+        columns |= {"y1": moved.imag, "theta1": sense * (theta + 1.28)}
+        path = tmp_path / "pushes.csv"
+        pandas.DataFrame(columns).to_csv(path, index=False)
+        pushes = cm.load_pushes(path)
+        if sense > 0.0:
+            (words,) = check_pushes(pushes)
+            assert "inf" not in words
+        else:
+            refused(check_pushes, pushes, told="--angles clockwise", kind=OtherConvention)
+
+
 def test_an_object_that_is_its_own_mirror_image_pushed_in_its_middle_is_not_refused(
     tmp_path,
 ) -> None:
