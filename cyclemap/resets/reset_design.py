@@ -283,6 +283,7 @@ def design_reset(
     judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
     picks, binding = _closely_picked(pool, judge)
     rows, cycles = _assessed(judge, _roles(picks, given), report)
+    binding = tuple(_told_alike(limit, rows) for limit in binding)
     chosen = rows[0]
     own, turn = (cycles[strategy].refined(_REFINED)[0] for strategy in (OWN, chosen.strategy))
     simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
@@ -338,6 +339,22 @@ def _assessed(
         report(0.8 + 0.1 * len(rows) / len(roles))
         rows.append(judge.row(strategy, reasons, cycles[strategy]))
     return _best_first(rows), cycles
+
+
+def _told_alike(limit: Limit, rows: Sequence[ResetRow]) -> Limit:
+    """The limit with what the row of its reset tells, where there is one: the search is coarser."""
+    for row in rows:
+        if row.strategy == limit.strategy:
+            values = {
+                TV: row.worst,
+                AFTER: row.worst_after,
+                DRAG: row.drag,
+                SECONDS: row.seconds,
+                REACH: row.room,
+                CONTACT: row.contact,
+            }
+            return replace(limit, value=values[limit.demand])
+    return limit
 
 
 def _best_first(rows: list[ResetRow]) -> list[ResetRow]:

@@ -195,6 +195,12 @@ def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds()
     assert all(action.push is None for action in kept.chosen.strategy.actions)
     least = {limit.demand: limit.value for limit in kept.binding}
     assert least["tv"] > kept.demands.allow_tv and least["after"] >= least["tv"] - 1e-9
+    # What binds is told as the row of the same reset tells it.
+    chosen = kept.chosen
+    told = {
+        limit.demand: limit.value for limit in kept.binding if limit.strategy == chosen.strategy
+    }
+    assert told["tv"] == chosen.worst and told["after"] == chosen.worst_after
     assert "gripper" not in kept.chosen.strategy.needs and row_of(
         kept, "with a gripper"
     ).lacking == ("gripper",)
