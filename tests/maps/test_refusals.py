@@ -144,6 +144,28 @@ FAMILIES = [
         "nondecreasing lift of degree 1",
     ),
     (lambda: maps.rotation_numbers(ParametricLift(lambda x, p: np.zeros(3)), [0.2]), "broadcast"),
+    (lambda: maps.rotation_numbers(ParametricLift(lambda x, p: x + 0j), [0.2]), "complex128"),
+    (
+        lambda: maps.rotation_numbers(ParametricLift(lambda x, p: x + float(p)), [0.2, 0.3]),
+        "fails on many angles.*TypeError",
+    ),
+    (
+        lambda: maps.rotation_numbers(ParametricLift(lambda x, p: np.add(x, p, out=x)), [0.2]),
+        "leave them as they are",
+    ),
+    (
+        lambda: maps.lyapunov_exponents(
+            ParametricLift(lambda x, p: x + p, lambda x, p: np.where(p > 0.5, np.nan, 1.0)),
+            [0.2, 0.6],
+        ),
+        r"at parameters \(0.6\).*nan",
+    ),
+    (
+        lambda: maps.lyapunov_exponents(
+            ParametricLift(lambda x, p: x + p, lambda x, p: 1 / 0), [0.2, 0.6]
+        ),
+        "the derivative fails on many angles.*ZeroDivisionError",
+    ),
     (lambda: maps.rotation_numbers(lambda x, p: x + p, 0.1, 0.2), "ParametricLift"),
     (lambda: numbers(0.1, [0.2, np.nan]), "parameter 1 must be finite"),
     (lambda: numbers(), "parameters"),

@@ -16,13 +16,15 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import carried_round
 from cyclemap.progress import Progress, unheard
 
 ParametricFunction = Callable[..., Array]
-_ANGLES = np.linspace(0.0, TWO_PI, 65)  # where a lift of unknown kind is looked at for folds
+_ANGLES = read_only(
+    np.linspace(0.0, TWO_PI, 65)
+)  # where a lift of unknown kind is looked at for folds
 _FALL = 1e-12  # radians: a smaller descent is rounding
 
 
@@ -101,7 +103,7 @@ class ParametricLift:
             return np.array(
                 np.broadcast_to(np.asarray(self.nondecreasing(*parameters), dtype=bool), size)
             )
-        lower = self.lift(_ANGLES[:1], *parameters)
+        lower = formula_values("lift", self.lift, _ANGLES[:1], *parameters)
         rising = np.ones(np.shape(lower), dtype=bool)
         for theta in _ANGLES[1:]:
             upper = self.lift(np.array([theta]), *parameters)
@@ -147,6 +149,31 @@ def parametric_form(family: Family) -> ParametricLift | None:
     if isinstance(family, ParametricLift):
         return family
     return next((known for known in _KNOWN if known.circle_map == family), None)
+
+
+def formula_values(
+    name: str, function: ParametricFunction, theta: Array, *parameters: ArrayLike
+) -> Array:
+    """What a family's formula gives at angles for many parameters at once, or InvalidInput where it
+    fails or gives other than float64 of their shape.
+    """
+    shape = np.broadcast_shapes(theta.shape, *(np.shape(values) for values in parameters))
+    try:
+        values = np.asarray(function(theta, *parameters))
+    except CycleMapError:
+        raise
+    except Exception as cause:
+        raise InvalidInput(
+            f"the {name} fails on many angles and parameters at once ({type(cause).__name__}: "
+            f"{cause}): it must broadcast over both and leave them as they are; build it of numpy "
+            "functions"
+        ) from cause
+    if values.dtype != np.float64 or values.shape != shape:
+        raise InvalidInput(
+            f"the {name} gives {values.dtype} of shape {values.shape} for float64 angles and "
+            f"parameters of shape {shape}: it must broadcast and give real float64 numbers"
+        )
+    return values
 
 
 def require_parameters(formula: ParametricLift, count: int) -> None:

@@ -27,6 +27,7 @@ from cyclemap.maps.families.family import (
     broadcast_parameters,
     each_done,
     family_member,
+    formula_values,
     parametric_form,
     require_parameters,
 )
@@ -230,13 +231,22 @@ def _sums_together(
     lengths: Whole,
 ) -> Array:
     """(parts, m): the sum of ln|F'| over each part of many orbits."""
-    angle = np.full(parameters.shape[1], start)
+    angle = read_only(np.full(parameters.shape[1], start))
+    for name, function in (("lift", lift), ("derivative", derivative)):
+        formula_values(name, function, angle, *parameters)
     for _ in range(skipped):
         angle = np.mod(lift(angle, *parameters), TWO_PI)
     sums = np.zeros((lengths.size, angle.size))
     for row in np.repeat(np.arange(lengths.size), lengths).tolist():
         sums[row] += _log(derivative(angle, *parameters))
         angle = np.mod(lift(angle, *parameters), TWO_PI)
+    wrong = ~np.isfinite(angle) | np.isnan(sums.sum(axis=0))
+    if np.any(wrong):
+        given = ", ".join(f"{value:.9g}" for value in parameters[:, np.argmax(wrong)])
+        raise InvalidInput(
+            f"at parameters ({given}) the lift or its derivative gives nan or inf: both must be "
+            "finite everywhere"
+        )
     return sums
 
 

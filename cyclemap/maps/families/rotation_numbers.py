@@ -22,6 +22,7 @@ from cyclemap.maps.families.family import (
     broadcast_parameters,
     each_done,
     family_member,
+    formula_values,
     parametric_form,
     require_parameters,
 )
@@ -275,11 +276,7 @@ def _begun(family: ParametricLift, parameters: Array, first: int) -> _Orbits:
     lifts.
     """
     size = parameters.shape[1]
-    ends = np.asarray(family.lift(np.array([[0.0], [TWO_PI]]), *parameters), dtype=np.float64)
-    if ends.shape != (2, size):
-        raise InvalidInput(
-            f"the lift turns shapes (2, 1) and ({size},) into {ends.shape}: it must broadcast"
-        )
+    ends = formula_values("lift", family.lift, read_only([[0.0], [TWO_PI]]), *parameters)
     gap = np.abs(ends[1] - ends[0] - TWO_PI)
     bad = ~(gap <= 1e-8 * (1.0 + np.abs(ends[0]))) | ~family.rises(*parameters)
     if np.any(bad):

@@ -81,8 +81,9 @@ class CircleMap(MadeLift):
     ------
     InvalidInput
         When the lift is not a lift of that degree, jumps by more than π where no break is given
-        (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at 89
-        points and beside the breaks, in about 0.1 ms: faults between those points pass.
+        (a wrapped lift does), is not finite, not float64 or not vectorised, writes to its
+        argument, or the derivative is another lift's. Checked at 89 points and beside the
+        breaks, in about 0.1 ms: faults between those points pass.
 
     Notes
     -----

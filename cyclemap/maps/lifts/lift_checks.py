@@ -12,7 +12,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
-from cyclemap.checks import float_array, whole_number
+from cyclemap.checks import float_array, unwritable, whole_number
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, STENCIL
 
@@ -182,8 +182,12 @@ def _five_points(function: Lift, theta: Array, below: Array, above: Array, step:
 
 _SPREAD = np.linspace(-5.0, 6.0, 12) + 0.0137 * np.sqrt(np.arange(2.0, 14.0))
 _TURN = 0.0731 + np.linspace(0.0, TWO_PI, 65)
-_POINTS = np.concatenate([_SPREAD, _SPREAD + TWO_PI, _TURN])
+# for reading only: a lift that writes to its argument fails on them
+_POINTS = unwritable(np.concatenate([_SPREAD, _SPREAD + TWO_PI, _TURN]))
 _TOLERANCE = 1e-8  # radians, and relative: F(θ + 2π) - F(θ) off by less is a lift
+_SIDES = np.array([[-1.0], [1.0]])
+_CLOSE = 1e-7  # radians: half the step of the difference that a derivative is compared with
+_OTHER_SLOPE = 0.1  # of 1 + |F'|: a derivative that is off by more at most angles is another's
 _HIDDEN_JUMP = np.pi  # radians: a larger step between neighbours is looked into
 
 
@@ -205,14 +209,15 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
     """Raise InvalidInput unless ``lift`` is, at 89 points and beside its breaks, a lift of that
     degree.
 
-    Refused: callables that fail on arrays or do not act entry by entry, values that are not finite
-    float64, F(θ + 2π) - F(θ) other than 2π·degree, and jumps of more than π that are not among the
-    breaks (wrapped).
+    Refused: callables that fail on arrays, write to them or do not act entry by entry, values that
+    are not finite float64, F(θ + 2π) - F(θ) other than 2π·degree, a derivative that most differences
+    contradict, and jumps of more than π that are not among the breaks (wrapped).
     """
     points = _POINTS
     if breaks.size:
         points = points.copy()
         points[:24] += 1e-3 * np.tile(distance_to_break(breaks, _SPREAD) < 1e-6, 2)
+        unwritable(points)
     with np.errstate(all="ignore"):
         values = checked_call("lift", lift, points)
         slopes = (
@@ -233,12 +238,33 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
                 f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = "
                 f"{points[worst]:.6g}, depending on the other entries: it must act entry by entry"
             )
+        if not isinstance(lift, MadeLift):
+            _refuse_other_slope(lift, points[: slopes.size], slopes)
         if breaks.size:
             checked_call("lift", lambda theta: beside(lift, theta, -1, degree), breaks)
             checked_call("lift", lambda theta: beside(lift, theta, 1, degree), breaks)
         steps = np.abs(values[25:] - values[24:-1])
         if steps.max() > _HIDDEN_JUMP:
             _refuse_hidden_jump(lift, derivative, breaks, points[24:], steps)
+
+
+def _refuse_other_slope(lift: Lift, points: Array, slopes: Array) -> None:
+    """Raise InvalidInput where most slopes are nowhere near those of the lift: of another one, of
+    another sign, in other units.
+    """
+    if slopes.size == 0:
+        return
+    below, above = checked_call("lift", lift, points + _CLOSE * _SIDES)
+    measured = (above - below) / (2.0 * _CLOSE)
+    unsure = EPS * (np.abs(points) + np.abs(below) + np.abs(above)) / _CLOSE
+    off = np.abs(slopes - measured)
+    wrong = off > _OTHER_SLOPE * (1.0 + np.abs(measured)) + 4.0 * unsure * (1.0 + np.abs(measured))
+    if 2 * np.count_nonzero(wrong) > points.size:
+        worst = int(np.argmax(np.where(wrong, off, 0.0)))
+        raise InvalidInput(
+            f"the derivative gives {slopes[worst]:.6g} at θ = {points[worst]:.6g}, where the lift "
+            f"climbs by {measured[worst]:.6g} a radian: it is not that of this lift"
+        )
 
 
 def _refuse_climb(points: Array, climb: Array, degree: int) -> None:
@@ -261,9 +287,15 @@ def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
     points.
     """
     values = lift(_POINTS[:3])
-    worst = max(
-        abs(scalar(x) - y) for x, y in zip(_POINTS[:3].tolist(), values.tolist(), strict=True)
-    )
+    try:
+        worst = max(
+            abs(scalar(x) - y) for x, y in zip(_POINTS[:3].tolist(), values.tolist(), strict=True)
+        )
+    except Exception as cause:
+        raise InvalidInput(
+            f"the scalar form fails ({type(cause).__name__}: {cause}): it must turn one float into "
+            "one"
+        ) from cause
     slopes = values[:0] if derivative is None else derivative(_POINTS[:12])
     if not worst <= _allowance(values, slopes):
         raise InvalidInput(
@@ -324,8 +356,8 @@ def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
                 f"the {name} fails at θ = {theta:.9g} ({raised[0]}): it must be defined everywhere"
             )
     return (
-        f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised; "
-        "build it of numpy functions, or wrap it in np.vectorize"
+        f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised and "
+        "leave its argument as it is; build it of numpy functions, or wrap it in np.vectorize"
     )
 
 

@@ -10,7 +10,7 @@ from math import floor
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
@@ -55,7 +55,7 @@ class Folds:
         turns: list[int] = []
         image = float(self.value[fold]) - push * self.parts[fold].direction
         error = ANGLE + self.map.max_error
-        while len(letters) < length and error < _LOST:
+        while len(letters) < length and (error < _LOST or not letters):
             base = image - TWO_PI * floor(image / TWO_PI)
             letter, own = self.branch(base)
             letters.append(letter)
@@ -126,8 +126,8 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     Raises
     ------
     InvalidInput
-        For lifts with jumps or plateaus, and where the orbits of the folds have more than 3,000
-        points.
+        For lifts with jumps or plateaus, for a ``max_error`` of half a turn or more, and where the
+        orbits of the folds have more than 3,000 points.
 
     Notes
     -----
@@ -138,8 +138,9 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     has no more laps than the graph has paths: an upper bound (Misiurewicz & Szlenk 1980). The
     orbits are pulled back through the branches and good to rounding; proved but for that. The two
     bounds meet like exp(-h·iterates), to where an orbit is lost in rounding. Folds are lowered and
-    raised by the map's ``max_error`` before, and for the bounds alone by 1e-9 radians where an
-    image meets a fold to rounding, but not to the last digit. Without folds the entropy is ln
+    raised by the map's ``max_error`` before: the bounds hold for all lifts within it that have no
+    more folds; and for the bounds alone by 1e-9 radians where an image meets a fold to rounding,
+    but not to the last digit. Without folds the entropy is ln
     max(1, |degree|), and never below. A kink that is a repelling fixed point opens to a horseshoe
     however little it is moved: there bounds with ``max_error`` are wide.
 
@@ -162,6 +163,11 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     least = float(np.log(max(1, abs(circle_map.degree))))
     if len(folds.parts) == 1:
         return Estimate(least, 0.0)
+    if circle_map.max_error >= np.pi:
+        raise InvalidInput(
+            f"max_error is {circle_map.max_error:g}: a lift that may be off by half a turn tells "
+            "nothing of its entropy"
+        )
 
     def bounds(pushes: Array) -> tuple[float, float]:
         """The lower bound with every fold moved inward by so much, the upper one with them moved
@@ -263,11 +269,29 @@ def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
     start = np.array([turn * size + place[base] for _, (turn, base) in images])
     end = np.roll(start, -1)
     end[np.roll(points, -1) == folds.theta[0]] += folds.map.degree * size
+    if not up:
+        _hold_within_folds(folds, points, start, end)
     graph = np.zeros((size, size))
     for row, ends in zip(graph, np.sort([start, end], axis=0).T.tolist(), strict=True):
         np.add.at(row, np.arange(*ends) % size, 1.0)
     largest = float(np.max(np.abs(np.linalg.eigvals(graph))))
     return float(np.log(largest)) if largest > 0.0 else -np.inf
+
+
+def _hold_within_folds(folds: Folds, points: Array, start: Whole, end: Whole) -> None:
+    """Cut the images of cells, counted as ``start`` and ``end``, to what their branch reaches once
+    its folds have been moved inward: to nothing where they have passed each other.
+    """
+    place = np.searchsorted(points, folds.theta)
+    for first, after, branch in zip(
+        place, np.append(place[1:], place[0] + points.size), folds.parts, strict=True
+    ):
+        cells = np.arange(first, after) % points.size
+        low, high = sorted((start[cells[0]], end[cells[-1]]))
+        if branch.direction * (end[cells[-1]] - start[cells[0]]) < 0:
+            high = low
+        start[cells] = np.clip(start[cells], low, high)
+        end[cells] = np.clip(end[cells], low, high)
 
 
 def _images(folds: Folds, routes: list[Itinerary], up: bool) -> dict[float, tuple[int, float]]:

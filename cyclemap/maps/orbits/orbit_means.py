@@ -9,7 +9,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS, MEAN, Estimate
+from cyclemap.maps.estimate import EPS, LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
@@ -305,7 +305,7 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     return Estimate(float(np.mean(values)), DEVIATIONS * spread + inexact)
 
 
-def _log_slopes(circle_map: CircleMap, theta: Array, off: float) -> tuple[Array, float]:
+def _log_slopes(circle_map: CircleMap, theta: Array, off: Array | float) -> tuple[Array, float]:
     """ln|F'| at angles that may be off by so much, and what the errors of F' make of its mean: inf
     where F' may be zero.
     """
@@ -324,23 +324,47 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
     theta = start
     for _ in range(_NEWTON):
         visited = orbit_angles(circle_map, theta, period + 1)
-        multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
+        slopes = circle_map.derivative(visited[:-1])
+        multiplier = float(np.prod(slopes))
         if abs(multiplier) >= 1.0:
             return None
         step = float(shorter_way(visited[-1] - theta)) / (1.0 - multiplier)
         theta += step
-        if abs(step) <= 4.0 * EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
+        moved = 0.0
+        for slope, rounded in zip(slopes, _rounding(circle_map, visited[:-1]), strict=True):
+            moved = float(np.abs(slope) * moved + rounded)
+        if abs(step) <= moved / (1.0 - abs(multiplier)):
             near = abs(theta - start) < _NEAR
             return orbit_angles(circle_map, theta, period) if near else None
     return None
 
 
+def _rounding(circle_map: CircleMap, theta: Array) -> Array:
+    """Of the images of the angles."""
+    return LIFT * (TWO_PI + np.abs(circle_map(theta)))
+
+
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
-    # The orbit is known to rounding over 1 - |multiplier|.
-    multiplier = abs(float(np.prod(circle_map.derivative(points))))
-    off = 16.0 * EPS * (1.0 + float(np.max(points))) / (1.0 - min(multiplier, 1.0 - EPS))
-    values, inexact = _log_slopes(circle_map, points, off)
+    returned, steepest = _moved_along(circle_map, points, 0.0)
+    # What a round adds is carried through every later one.
+    first = float(returned[-1]) / (1.0 - steepest) if steepest < 1.0 else np.pi
+    moved, _ = _moved_along(circle_map, points, first)
+    values, inexact = _log_slopes(circle_map, points, moved[:-1])
     exponent = float(np.mean(values))
     if exponent == -np.inf:
         return Estimate(exponent, 0.0)
     return Estimate(exponent, inexact + 8.0 * EPS * (1.0 + abs(exponent)))
+
+
+def _moved_along(circle_map: CircleMap, points: Array, first: float) -> tuple[Array, float]:
+    """How far off the points of an orbit and its return may be when the first is off by so much and
+    each image by its rounding; and the most that its multiplier may be.
+    """
+    moved = [first]
+    steepest = 1.0
+    for theta, rounded in zip(points, _rounding(circle_map, points), strict=True):
+        slope, error = slope_and_error_beside(circle_map, np.array(theta), moved[-1])
+        steepness = float(np.abs(slope) + error)
+        moved.append(min(steepness * moved[-1] + float(rounded), np.pi))
+        steepest *= steepness
+    return np.array(moved), steepest

@@ -184,10 +184,11 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     prime, (right, left), slope_error = _followed(circle_map, theta, image, bound, n)
     # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
     flips = (left < 0.0) & (right < 0.0)
-    attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
+    growth = np.where(flips, np.sqrt(np.abs(left * right)), np.maximum(left, right))
     unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
-    neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= unsure
-    kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
+    neutral = np.abs(growth - 1.0) <= unsure
+    kind = np.where(neutral, "neutral", np.where(growth < 1.0, "stable", "unstable"))
+    kind = kind.astype("<U16")
     kind[role == _TOUCH] = "saddle-node"
     kind[role == _BORDER] = "border-collision"
     return PeriodicPoints(theta, winding, right, left, slope_error, prime, kind, bound, image, n)
@@ -305,10 +306,11 @@ def _followed(
         slope = np.where(sides > 0, right, left)
         multiplier = multiplier * slope
         sides = np.where(slope >= 0.0, sides, -sides)
-        off = np.minimum(np.where(index >= 0, bound[index], bound), 1e-6)
+        off = np.where(index >= 0, bound[index], bound)
         # The sides of a break are not mixed.
-        smooth = distance_to_break(circle_map.breaks, angle) > off + _LINKED
-        slope, error = slope_and_error_beside(circle_map, angle, np.where(smooth, off, 0.0))
+        beside = np.maximum(distance_to_break(circle_map.breaks, angle) - _LINKED, 0.0)
+        off = np.minimum(np.where(np.isinf(off), 1e-6, off), beside)
+        slope, error = slope_and_error_beside(circle_map, angle, off)
         product = product * np.abs(slope)
         largest = largest * (np.abs(slope) + error)
         index = np.where(index >= 0, image[index], -1)
@@ -355,8 +357,9 @@ class Orbit:
     kind : str
         "stable", "unstable", "saddle-node" (Fⁿ - id touches 2πw without crossing it, also at a
         kink: two orbits merged), "neutral" (crosses with | |multiplier| - 1 | ≤ 1e-7, where the
-        derivative does not decide) or "border-collision" (Fⁿ - id meets 2πw at the edge of a
-        jump).
+        derivative does not decide; on a kink the larger multiplier, or the root of their
+        product where both are negative) or "border-collision" (Fⁿ - id meets 2πw at the edge of
+        a jump).
     error_bound : float
         Radians, the largest over the points: each lies within it of the true one, see
         ``PeriodicPoints`` (about rounding/|multiplier - 1|; √(tangency/curvature) at a

@@ -302,8 +302,9 @@ def survival_probabilities(
     Notes
     -----
     S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; ``mean_passage_time`` is the sum of
-    S_n over all n. Rows of transitions are scaled to the exactly known chances of staying; the
-    relative error grows with n, by about 1e-15 a cycle.
+    S_n over all n. Chances of going to the nodes and the exactly known ones of leaving are scaled
+    to add up to 1; the relative error grows with n, by about 1e-15 a cycle, where S_n is above
+    1e-12, and is below 1e-6 where it is smaller (measured).
 
     Examples
     --------
@@ -319,7 +320,7 @@ def survival_probabilities(
     chain = killed_chain(passage)
     images = np.append(chain.images, circle_map(passage.begun(start)))
     moves = chain.transitions(images)
-    moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]
+    moves /= (chain.departures(images).sum(axis=0) + moves.sum(axis=1))[:, None]
     staying = np.ones(chain.theta.size)
     chances = np.ones(count + 1)
     for n in range(1, count + 1):

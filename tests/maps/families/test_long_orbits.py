@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -165,6 +166,38 @@ def test_stable_orbits_give_their_multiplier_whatever_their_period_and_however_s
     found = lyapunov_exponent(sine)
     assert abs(found - np.log(abs(stable.multiplier)) / period) <= found.error_bound + 1e-12
     assert found < 0 and found.error_bound < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("omega", "strength", "period"),
+    [(0.0, 30.0, 2), (0.7, 30.0, 3), (0.3, 90.0, 3), (0.1, 10.0, 4)],
+)
+def test_the_bound_holds_where_steep_images_magnify_the_rounding_of_an_orbit(
+    omega, strength, period
+):
+    """Beside a superstable orbit, whose multiplier hangs on its last digits; against 50 digits."""
+    fold = np.arccos(1.0 / strength)
+    for _ in range(60):  # the shift for which the fold comes back to itself
+        angle, by_shift = fold, 0.0
+        for _ in range(period):
+            by_shift = by_shift * (1.0 - strength * np.cos(angle)) + TWO_PI
+            angle = angle + TWO_PI * omega - strength * np.sin(angle)
+        omega -= np.angle(np.exp(1j * (angle - fold))) / by_shift
+    omega += 1e-9 / strength ** (period - 1)
+    found = lyapunov_exponent(CircleMap.arnold(omega, strength), start=fold)
+    with mpmath.workdps(50):
+        point = mpmath.mpf(fold)
+        for _ in range(12):
+            angle, slope = point, mpmath.mpf(1)
+            for _ in range(period):
+                slope *= 1 - mpmath.mpf(strength) * mpmath.cos(angle)
+                angle += 2 * mpmath.pi * mpmath.mpf(omega) - strength * mpmath.sin(angle)
+            off = angle - point
+            off -= 2 * mpmath.pi * mpmath.nint(off / (2 * mpmath.pi))
+            point -= off / (slope - 1)
+        exact = mpmath.log(abs(slope)) / period
+        assert abs(off) < 1e-40 and -15.0 < exact < -1.0
+        assert abs(found - exact) <= found.error_bound < 1.0
 
 
 def test_quasi_periodic_orbits_have_exponent_zero_within_the_bound():

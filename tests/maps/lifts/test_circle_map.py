@@ -138,10 +138,15 @@ NOT_A_LIFT = {
     r"into \(1,\)": lambda: CircleMap(lambda x: np.ravel(x)[:1]),
     "must be vectorised": lambda: CircleMap(lambda x: math.sin(x) + x),
     "depending on the other entries": lambda: CircleMap(lambda x: x - x.mean() * (x.ndim == 2)),
+    "leave its argument as it is": lambda: CircleMap(lambda x: np.add(x, 1.0, out=x)),
+    "derivative gives .* not that of this lift": lambda: CircleMap(
+        lambda x: x + 0.3 * np.sin(x), lambda x: 1 - 0.3 * np.cos(x)
+    ),
     "derivative turns shape": lambda: CircleMap(lambda x: x, lambda x: np.ones(3)),
     "scalar form differs from the lift by": lambda: CircleMap.with_scalar(
         lambda x: x, None, lambda x: x + 1e-3
     ),
+    "scalar form fails": lambda: CircleMap.with_scalar(lambda x: x, None, lambda x: "x"),
     "degree must be": lambda: CircleMap(lambda x: x, degree=0.5),
     "it must be finite everywhere": lambda: CircleMap(lambda x: x * np.nan),
     "must be callables": lambda: CircleMap(3.0),
@@ -170,6 +175,13 @@ NOT_A_LIFT = {
 @pytest.mark.parametrize("message", NOT_A_LIFT)
 def test_the_refusal_names_what_is_wrong_with_the_lift(message):
     refused(NOT_A_LIFT[message], told=message)
+
+
+def test_a_lift_that_writes_to_its_argument_leaves_later_maps_as_they_are():
+    for breaks in ([], [0.5]):
+        with pytest.raises(InvalidInput, match="leave its argument"):
+            CircleMap(lambda x: np.add(x, 1.0, out=x), breaks=breaks)
+    assert float(CircleMap(lambda x: x + np.sin(x))(0.5 * np.pi)) == 0.5 * np.pi + 1.0
 
 
 def test_a_jump_of_many_radians_is_taken_where_it_is_a_break_and_steep_lifts_are_no_jumps():

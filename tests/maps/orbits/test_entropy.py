@@ -119,6 +119,33 @@ def test_bounds_hold_for_lifts_moved_by_what_they_may_be_off():
         assert abs(one - other) <= one.error_bound + other.error_bound
 
 
+@pytest.mark.parametrize("off", [5e-4, 0.02, 0.5])
+def test_bounds_hold_the_smooth_lift_from_which_every_fold_has_been_made_by_an_error(off):
+    """Ripples as high as the error on a lift of slope 1/2, all of whose orbits come to rest."""
+
+    def ripples(x):
+        near = np.mod(x + np.pi, TWO_PI) - np.pi
+        window = off * np.exp(-((near / off) ** 2))
+        phase = 4.5 * near / off + 1.6
+        steep = 4.5 / off * np.cos(phase) - 2.0 * near / off**2 * np.sin(phase)
+        return window * np.sin(phase), window * steep
+
+    def rippled(x):
+        return 0.5 * np.sin(x) + ripples(x)[0]
+
+    def slope(x):
+        return 0.5 * np.cos(x) + ripples(x)[1]
+
+    folded = topological_entropy(CircleMap(rippled, slope, degree=0))
+    found = topological_entropy(CircleMap(rippled, slope, degree=0, max_error=1.001 * off))
+    assert found.lower <= 0.0 and folded > 0.5 and found.upper >= folded.upper
+
+
+def test_an_error_of_half_a_turn_is_refused():
+    with pytest.raises(InvalidInput, match="tells nothing of its entropy"):
+        topological_entropy(CircleMap(FOLDED, FOLDED.derivative, max_error=3.2))
+
+
 def test_kneading_sequences_follow_the_orbits_of_the_folds():
     for sequence, fold in zip(
         kneading_sequences(FOLDED, 12), (np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)), strict=True

@@ -207,6 +207,34 @@ def test_degenerate_tangencies_are_one_point_of_the_documented_kind(centre):
             off = np.abs(np.mod(found.theta - centre + 0.5, np.pi) - 0.5)
             assert np.all(off <= found.error_bound)
             assert np.max(found.error_bound) < 0.03
+            assert np.all(np.abs(found.multiplier - 1.0) <= found.multiplier_error)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "kind"),
+    [
+        (-49.0, -1 / 49.0, "neutral"),
+        (-2.0, -0.5, "neutral"),
+        (-1.0, -0.5, "stable"),
+        (-1.0, -1.5, "unstable"),
+        (-1.0, 0.5, "stable"),
+    ],
+)
+def test_on_a_kink_the_side_decides_on_which_orbits_are_or_both_where_they_change_it(
+    left, right, kind
+):
+    """Two lines meet at θ = 1, and a third one closes the turn."""
+    ends = 1.0 - 0.3 * left, 1.0 + 0.3 * right
+    rest = (ends[0] + TWO_PI - ends[1]) / (TWO_PI - 0.6)
+    kinked = CircleMap.from_branches(
+        [
+            (0.7, 1.0, lambda x: 1.0 + left * (x - 1.0), None),
+            (1.0, 1.3, lambda x: 1.0 + right * (x - 1.0), None),
+            (1.3, 0.7 + TWO_PI, lambda x: ends[1] + rest * (x - 1.3), None),
+        ]
+    )
+    [point] = [orbit for orbit in fixed_points(kinked) if abs(orbit.points[0] - 1.0) < 1e-9]
+    assert point.kind == kind and point.stable == (kind == "stable")
 
 
 def test_period_doubling_merges_its_orbits_only_within_the_tangency():

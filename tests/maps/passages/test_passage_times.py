@@ -192,6 +192,15 @@ def test_survival_probabilities_sum_to_the_mean_passage_and_end_geometric():
     assert abs(chances[201] / chances[200] - chances[301] / chances[300]) < 1e-13
 
 
+def test_small_chances_of_survival_keep_their_digits():
+    """A map that resets to one angle stays n cycles with the n-th power of the chance of one."""
+    for sigma in (0.4, 0.15, 0.08, 0.03):
+        noise, arc = WrappedNormal(sigma), (-1.0, 1.0)
+        staying = float(noise.arc_probability(np.array(-2.5), np.array(-0.5)))
+        chances = survival_probabilities(reset(1.5), noise, 0.0, arc, 3)
+        np.testing.assert_allclose(chances, staying ** np.arange(4.0), rtol=1e-7, atol=0.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [WrappedNormal(0.3), WrappedNormal(0.1)])
 def test_chances_and_their_complements_add_up_to_one_within_their_bounds(noise):
