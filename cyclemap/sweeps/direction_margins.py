@@ -200,8 +200,11 @@ def direction_margins(
         with warnings.catch_warnings():
             # Of places of the ring that are only tried.
             warnings.simplefilter("ignore", DoubtfulInput)
-            below, low = _Way(loop, setting, value, setting.low * unit, count).nearest()
-            above, high = _Way(loop, setting, value, setting.high * unit, count).nearest()
+            # A value beyond its usual range is the end of it.
+            lowest = min(setting.low * unit, value)
+            highest = max(setting.high * unit, value)
+            below, low = _Way(loop, setting, value, lowest, count).nearest()
+            above, high = _Way(loop, setting, value, highest, count).nearest()
         span = unit * (setting.high - setting.low)
         margins.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
         report((place + 1) / len(chosen))
@@ -244,7 +247,7 @@ class _Way:
     def nearest(self) -> tuple[DirectionChange | None, float]:
         """The nearest change, and how far it was looked for."""
         last = self.value
-        for share in _WAY:
+        for share in _WAY if self.end != self.value else ():
             value = self.value + share * (self.end - self.value)
             try:
                 beyond = self.counted(value)

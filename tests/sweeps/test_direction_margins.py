@@ -119,6 +119,19 @@ def test_the_nearest_change_is_told_where_another_is_near_or_the_map_folds(
         assert stable(beside) == many
 
 
+def test_a_value_beyond_its_usual_range_has_no_change_on_the_far_side() -> None:
+    """Plywood's friction, as many times as takes its first axis beyond 1.2: no direction moves."""
+    many = 1.15 / 0.2346
+    law = LOOP.material.friction
+    offset = {"m0": many * law.m0, "n0": many * law.n0}
+    loop = loop_from_settings({"mu_a": 1.5, "mu_b": 1.15, **offset})
+    (scaled,) = direction_margins(loop, ("mu_a",))
+    (plywood,) = direction_margins(LOOP, ("mu_a",))
+    assert scaled.above is None and scaled.high == scaled.value == 1.5
+    assert scaled.below.value == pytest.approx(many * plywood.above.value, abs=1e-6)
+    assert (scaled.directions, scaled.below.directions) == (2, 1)
+
+
 @pytest.mark.slow
 def test_a_curve_in_the_plane_of_the_ring_is_where_full_maps_touch_whole_turns(margins) -> None:
     """In a corner of the plane, since every map of it is run cycle by cycle."""
