@@ -319,9 +319,16 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     )
 
 
-def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = None) -> list[Array]:
+def stable_points(
+    loops: Sequence[CollectionLoop],
+    report: Progress | None = None,
+    map_error: float = _MAP_ERROR,
+    halvings: int = _HALVINGS,
+) -> list[Array]:
     """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees,
     0.02 beside a kink.
+
+    map_error, halvings : of finer maps, rad, and how often a cell may be halved for them.
     """
     theta = np.tile(even_angles(_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
@@ -329,7 +336,7 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     owners = np.repeat(np.arange(len(loops)), theta.shape[1])
     done = []
     owner = []
-    for halving in range(_HALVINGS):
+    for halving in range(halvings):
         start, width, first, last, rise, fall = cells.T
         half = 0.5 * width
         middle = start + half
@@ -344,13 +351,13 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
         # less.
         parents, error = (np.concatenate([values, values]) for values in (owners, error))
         nearest = np.abs(_offset(halves)).min(axis=1)
-        is_open = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
+        is_open = (error > 4.0 * map_error) & (nearest < 2.0 * error + map_error)
         done.append(halves[~is_open])
         owner.append(parents[~is_open])
         cells = halves[is_open]
         owners = parents[is_open]
         if report is not None:
-            report((halving + 1) / _HALVINGS)
+            report((halving + 1) / halvings)
         if not owners.size:
             break
     return _roots(np.concatenate([*owner, owners]), np.concatenate([*done, cells]), len(loops))
@@ -376,6 +383,14 @@ def _cubic(cells: Array, share: Array) -> Array:
     return np.stack([first, last, width * rise, width * fall], -1) @ [h00, h01, h10, h11]
 
 
+def _cubic_slope(cells: Array, share: Array) -> Array:
+    """Slopes of the turn (n,) of cells (n, 6), each at a share (n,) of its width."""
+    _, width, first, last, rise, fall = cells.T
+    chord = 6.0 * share * (1.0 - share) * (last - first) / width
+    ends = (1.0 - share) * (1.0 - 3.0 * share) * rise + share * (3.0 * share - 2.0) * fall
+    return np.asarray(chord + ends)
+
+
 def _offset(cells: Array) -> Array:
     """Turns (n, k) of cells at evenly spread shares of the width, counted from the whole turn
     nearest to each cell.
@@ -390,10 +405,10 @@ def _roots(owners: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     cell, place = np.nonzero((turn[:, :-1] > 0.0) & (turn[:, 1:] <= 0.0))
     high = turn[cell, place]
     low = turn[cell, place + 1]
+    share = (place + high / (high - low)) / _INSIDE
+    theta = cells[cell, 0] + cells[cell, 1] * share
     # Of a stable point the map's slope 1 + d turn / dθ is above -1.
-    step = cells[cell, 1] / _INSIDE
-    theta = cells[cell, 0] + step * (place + high / (high - low))
-    stable = (low - high) / step > -2.0
+    stable = _cubic_slope(cells[cell], share) > -2.0
     points: list[Array] = [
         np.sort(np.mod(theta[stable & (owners[cell] == index)], TWO_PI)) for index in range(count)
     ]

@@ -33,9 +33,18 @@ _SETTING_STEP = 1e-5
 _ANGLE_STEP = 1e-4
 _ITERATIONS = 12
 _NODES = 96
+# What encloses a change is halved so often before a smooth one is sought, and where there is none.
+_FIRST_HALVINGS = 4
 _HALVINGS = 12
-# rad: so far a turn is from nought where the directions beside a fold are counted.
-_BESIDE = 1e-3
+# Fine counts: error of the map, rad, and how often its cells are halved.
+_FINE_ERROR = 1e-8
+_FINE_HALVINGS = 16
+# Directions beside a change are counted where the turn of a fold, rad, or else the slope is so far
+# from what it is there.
+_BESIDE = {"saddle-node": 1e-4, "period doubling": 2e-3}
+# At most this share of what encloses it.
+_HALF_WAY = 0.5
+_STRAY = 8.0
 Ends = tuple[float, float]
 SMOOTH = {"saddle-node": 1.0, "period doubling": -1.0}
 
@@ -156,12 +165,13 @@ def direction_margins(
     Notes
     -----
     The stable directions are counted at 1/32, 1/8, 1/4, 1/2, 3/4 and all of the way to either end
-    of the range; between the first two that differ, f(θ) = θ with f'(θ) = 1, or -1, is solved for θ
-    and the setting by Newton's method on cycles good to 1e-10, and held only where the number
-    changes across it; else halving encloses the change. So a direction that comes and goes between
-    two of those values is missed, and jumps about which orbits gather do not count. Bounds are of
-    first order in the errors of a cycle (1e-9 rad) and of its slope (1e-6), and of the difference
-    steps; those of a "kink" enclose.
+    of the range; halving narrows the change between the first two that differ; near it f(θ) = θ
+    with f'(θ) = 1, or -1, is solved for θ and the setting by Newton's method on cycles good to
+    1e-10, and held only where the number changes across it; else halving encloses the change, on
+    maps good to 1e-8 rad. So a direction that comes and goes between two of those values is missed,
+    and jumps about which orbits gather do not count. Bounds are of first order in the errors of a
+    cycle (1e-9 rad) and of its slope (1e-6), and of the difference steps; those of a "kink"
+    enclose.
 
     Examples
     --------
@@ -190,8 +200,11 @@ def direction_margins(
         with warnings.catch_warnings():
             # Of places of the ring that are only tried.
             warnings.simplefilter("ignore", DoubtfulInput)
-            below, low = _Way(loop, setting, value, setting.low * unit, count).nearest()
-            above, high = _Way(loop, setting, value, setting.high * unit, count).nearest()
+            # A value beyond its usual range is the end of it.
+            lowest = min(setting.low * unit, value)
+            highest = max(setting.high * unit, value)
+            below, low = _Way(loop, setting, value, lowest, count).nearest()
+            above, high = _Way(loop, setting, value, highest, count).nearest()
         span = unit * (setting.high - setting.low)
         margins.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
         report((place + 1) / len(chosen))
@@ -222,14 +235,19 @@ class _Way:
         )
         return replace(set_there, accuracy=_COUNTED)
 
-    def counted(self, value: float) -> int:
-        """How many stable directions there are."""
-        return len(stable_points([self.at(value)])[0])
+    def counted(self, value: float, is_fine: bool = False) -> int:
+        """How many stable directions there are; fine counts are those of nearly exact maps."""
+        loop = self.at(value)
+        if not is_fine:
+            return len(stable_points([loop])[0])
+        exact = replace(loop, accuracy=_ACCURACY)
+        points = stable_points([exact], map_error=_FINE_ERROR, halvings=_FINE_HALVINGS)
+        return len(points[0])
 
     def nearest(self) -> tuple[DirectionChange | None, float]:
         """The nearest change, and how far it was looked for."""
         last = self.value
-        for share in _WAY:
+        for share in _WAY if self.end != self.value else ():
             value = self.value + share * (self.end - self.value)
             try:
                 beyond = self.counted(value)
@@ -242,30 +260,43 @@ class _Way:
 
     def _between(self, near: float, far: float, beyond: int) -> DirectionChange:
         """The change of the number between two values."""
-        rich = near if beyond < self.count else far
-        ends = (min(near, far), max(near, far))
-        span = float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
-        step = _SETTING_STEP * span
-        for theta, kind in self._starts(rich):
-            solved = smooth_change(self.at, (theta, rich), SMOOTH[kind], step, ends)
-            if solved is None:
-                continue
-            # What moves the turn by 1 mrad.
-            beside = _BESIDE / max(abs(float(solved.slopes[0, 1])), 1e-300)
-            beside = min(beside, 0.25 * abs(far - near)) * math.copysign(1.0, far - near)
-            counts = [self.counted(solved.value + side * beside) for side in (-1.0, 1.0)]
-            if counts[0] == self.count != counts[1]:
-                return DirectionChange(solved.value, kind, solved.theta % TWO_PI, counts[1])
-        for _ in range(_HALVINGS):
+        change = self._smooth(*self._halved(near, far, beyond, _FIRST_HALVINGS))
+        if change is not None:
+            return change
+        near, far, beyond = self._halved(near, far, beyond, _HALVINGS, is_fine=True)
+        value = Estimate(0.5 * (near + far), 0.5 * abs(far - near))
+        return DirectionChange(value, "kink", math.nan, beyond)
+
+    def _halved(
+        self, near: float, far: float, beyond: int, times: int, is_fine: bool = False
+    ) -> tuple[float, float, int]:
+        """The nearest change that halving finds, between two values, and the number beyond it."""
+        for _ in range(times):
             middle = 0.5 * (near + far)
-            count = self.counted(middle)
+            count = self.counted(middle, is_fine)
             if count == self.count:
                 near = middle
             else:
                 far = middle
                 beyond = count
-        value = Estimate(0.5 * (near + far), 0.5 * abs(far - near))
-        return DirectionChange(value, "kink", math.nan, beyond)
+        return near, far, beyond
+
+    def _smooth(self, near: float, far: float, beyond: int) -> DirectionChange | None:
+        """A smooth change between two values, or beside them where counts put it there."""
+        rich = near if beyond < self.count else far
+        width = abs(far - near)
+        # Newton's method may stray farther than it may end.
+        ends = (min(near, far) - _STRAY * width, max(near, far) + _STRAY * width)
+        span = float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
+        for theta, kind in self._starts(rich):
+            solved = smooth_change(self.at, (theta, rich), SMOOTH[kind], _SETTING_STEP * span, ends)
+            if solved is None or abs(solved.value - rich) > 2.0 * width:
+                continue
+            beside = min(solved.beside(kind), _HALF_WAY * width) * math.copysign(1.0, far - near)
+            counts = [self.counted(solved.value + side * beside, True) for side in (-1.0, 1.0)]
+            if counts[0] == self.count != counts[1]:
+                return DirectionChange(solved.value, kind, solved.theta % TWO_PI, counts[1])
+        return None
 
     def _starts(self, value: float) -> Iterator[tuple[float, str]]:
         """Angles of a map at which Newton's method begins, and the kind of change that it seeks:
@@ -292,6 +323,13 @@ class SmoothChange:
     theta: float
     value: Estimate
     slopes: Array
+
+    def beside(self, kind: str) -> float:
+        """How far from the value the directions that a change of a kind parts can be told apart."""
+        (turning, by_value), (bend, twist) = self.slopes
+        # The direction of a period doubling moves on with the value.
+        rate = by_value if kind == "saddle-node" else twist - bend * by_value / turning
+        return _BESIDE[kind] / max(abs(float(rate)), 1e-300)
 
 
 def smooth_change(

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import TWO_PI
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
+from cyclemap.collection.portrait import noises_of, turn_statistics
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.maps import (
     CircleMap,
@@ -268,9 +268,8 @@ class PortraitNumbers:
         try:
             settings, said = without_noise(point.settings)
             loop = loop_from_settings(settings, CollectionLoop.mit(material=point.material))
-            noise = WrappedNormal(DEFAULT_SIGMA if said is None else said)
-            work = self._coarse(loop, noise) or _Work(
-                _map_of(loop, self.tolerance), noise, self.rotation_tolerance
+            work = self._coarse(loop, said) or _Work(
+                loop, _map_of(loop, self.tolerance), said, self.rotation_tolerance
             )
         except CycleMapError as error:
             return PointOutcome({}, str(error))
@@ -283,11 +282,12 @@ class PortraitNumbers:
                 refusals.append(f"{group}: {error}")
         return PointOutcome(values, "; ".join(refusals))
 
-    def _coarse(self, loop: CollectionLoop, noise: WrappedNormal) -> _Work | None:
+    def _coarse(self, loop: CollectionLoop, sigma: float | None) -> _Work | None:
         """The coarser map where it settles all that is asked for."""
         if self.rotation_tolerance == 0.0 or not set(self.groups) <= set(CHEAP_GROUPS):
             return None
-        work = _Work(_map_of(loop, _COARSER * self.tolerance), noise, self.rotation_tolerance)
+        coarser = _map_of(loop, _COARSER * self.tolerance)
+        work = _Work(loop, coarser, sigma, self.rotation_tolerance)
         try:
             if "rotation" in self.groups and is_nondecreasing(work.map):
                 # Maps that fold have an interval anyway; whether the number is told as finely as
@@ -315,11 +315,19 @@ def _map_of(loop: CollectionLoop, tolerance: float) -> CircleMap:
 
 @dataclass
 class _Work:
-    """A map, the noise, and the operator of both once it is needed."""
+    """A loop's map, and what comes of it and of its noise once it is needed.
 
+    sigma : of the noise, rad; None as in a portrait.
+    """
+
+    loop: CollectionLoop
     map: CircleMap
-    noise: WrappedNormal
+    sigma: float | None
     rotation_tolerance: float
+
+    @cached_property
+    def noise(self) -> WrappedNormal:
+        return noises_of(self.loop, self.map, self.sigma)[0]
 
     @cached_property
     def rotation(self) -> RotationNumber:

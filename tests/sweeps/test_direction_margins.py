@@ -14,8 +14,8 @@ from cyclemap.sweeps import change_curve, direction_margins
 LOOP = CollectionLoop.mit("plywood")
 
 
-def map_at(key: str, value: float, tolerance: float = 1e-6):
-    return loop_from_settings({key: value}, LOOP).circle_map(tolerance)
+def map_at(key: str, value: float, tolerance: float = 1e-6, loop: CollectionLoop = LOOP):
+    return loop_from_settings({key: value}, loop).circle_map(tolerance)
 
 
 def stable(circle_map) -> int:
@@ -67,6 +67,69 @@ def test_full_maps_touch_whole_turns_where_the_saddle_node_is_told(margins) -> N
     )
     # The turn moves by some 0.05 rad a millimetre, so 1e-6 rad is 2e-5 mm.
     assert abs(root - at) < 5e-5
+
+
+TWO_CHANGES = {
+    "mu_a": 0.329138,
+    "m0": 0.044865,
+    "n0": -0.018817,
+    "phi_deg": 25.94873,
+    "push_mm": 119.265703,
+    "fraction": 0.696622,
+    "angle_deg": -2.724026,
+    "hitch_x_mm": 1.983748,
+    "hitch_y_mm": -18.897635,
+    "shape": "ellip1",
+}
+FOLDED = {
+    "mu_a": 0.402,
+    "m0": -0.0285,
+    "n0": 0.0139,
+    "phi_deg": 50.74,
+    "push_mm": 172.7,
+    "fraction": 0.778,
+    "angle_deg": -10.48,
+    "hitch_x_mm": -0.71,
+    "hitch_y_mm": 15.79,
+    "shape": "hex",
+}
+
+
+@pytest.mark.parametrize(
+    ("settings", "mu_b", "side", "kind"),
+    [
+        (TWO_CHANGES, 0.479033, "below", "saddle-node"),
+        (FOLDED, 0.5435, "above", "period doubling"),
+    ],
+)
+def test_the_nearest_change_is_told_where_another_is_near_or_the_map_folds(
+    settings, mu_b: float, side: str, kind: str
+) -> None:
+    """Two saddle-nodes 0.001 of the friction apart, and a slope that nears -1 slowly, against the
+    directions of full maps.
+    """
+    loop = loop_from_settings({**settings, "mu_b": mu_b})
+    (margin,) = direction_margins(loop, ("mu_b",))
+    change = getattr(margin, side)
+    assert (margin.directions, change.directions, change.kind) == (2, 1, kind)
+    assert change.value.error_bound < 1e-6
+    outward = np.sign(change.value - margin.value)
+    for way, many in ((-1.0, 2), (1.0, 1)):
+        beside = map_at("mu_b", change.value + 1e-4 * way * outward, loop=loop)
+        assert stable(beside) == many
+
+
+def test_a_value_beyond_its_usual_range_has_no_change_on_the_far_side() -> None:
+    """Plywood's friction, as many times as takes its first axis beyond 1.2: no direction moves."""
+    many = 1.15 / 0.2346
+    law = LOOP.material.friction
+    offset = {"m0": many * law.m0, "n0": many * law.n0}
+    loop = loop_from_settings({"mu_a": 1.5, "mu_b": 1.15, **offset})
+    (scaled,) = direction_margins(loop, ("mu_a",))
+    (plywood,) = direction_margins(LOOP, ("mu_a",))
+    assert scaled.above is None and scaled.high == scaled.value == 1.5
+    assert scaled.below.value == pytest.approx(many * plywood.above.value, abs=1e-6)
+    assert (scaled.directions, scaled.below.directions) == (2, 1)
 
 
 @pytest.mark.slow

@@ -2,12 +2,13 @@
 so.
 """
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop, portrait
+from cyclemap.mechanics import CycleNoise
 from cyclemap.protocol import loop_from_settings
 from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptPoint, portrait_numbers as module
 
@@ -76,6 +77,26 @@ def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
     assert gaps == sorted(gaps)
     # A rigid rotation with normal noise: the second eigenvalue has the size exp(-σ²/2).
     assert gaps == pytest.approx(1.0 - np.exp(-0.5 * np.radians([10.0, 20.0, 40.0]) ** 2), abs=1e-6)
+
+
+def test_a_material_that_has_a_noise_of_its_own_is_swept_with_it() -> None:
+    """As its portrait is; a rigid rotation with normal noise tells it by exp(-σ²/2), the size of
+    its second eigenvalue.
+    """
+    loop = CollectionLoop.mit("isotropic")
+    own = replace(loop.material, noise=CycleNoise((np.log(0.2), 0.0, 0.0), 0.5))
+    numbers = PortraitNumbers(("stationary",), 1e-2)
+    found = {}
+    for noise in (None, 30.0):
+        settings = {} if noise is None else {"noise_deg": noise}
+        plan = SweepPlan.grid(own, {"push_mm": (150.0,)}, settings, numbers)
+        found[noise] = plan.numbers(plan.point(0)).values["spectral_gap"]
+    drawn = portrait(replace(loop, material=own), cycles=1, tolerance=1e-2)
+    assert found[None] == drawn.operator.spectral_gap
+    assert found[None] == pytest.approx(1.0 - np.exp(-0.5 * drawn.noise.sigma**2), abs=1e-6)
+    # Kicks that hang together by 0.5 carry √3 times as far as those that do not.
+    assert drawn.noise.sigma == pytest.approx(0.2 * np.sqrt(3.0))
+    assert found[30.0] == pytest.approx(1.0 - np.exp(-0.5 * np.radians(30.0) ** 2), abs=1e-6)
 
 
 def test_a_gap_that_is_rounding_is_not_told() -> None:
