@@ -17,6 +17,12 @@ pytest.importorskip("pandas")
 _MEND = re.compile(r"give ((?:--(?:angles|frame|units) [\w.-]+ ?)+)")
 
 
+@pytest.fixture(autouse=True)
+def _no_pictures(monkeypatch) -> None:
+    """Answers are asked for, of many tables; pictures are drawn elsewhere."""
+    monkeypatch.setattr("cyclemap.views.panels.layout.render", lambda figure, form: b"")
+
+
 def told(capsys, path: Path, name: str, *arguments: str) -> dict | None:
     """The report of a command, after what its refusals said to give; None where it was refused for
     good.
