@@ -98,9 +98,9 @@ class DataBlock:
     stayed : callable or None, optional
         Of strokes: values -> after how many the object is taken to be where it was, since the
         rod misses it or the motion has no answer.
-    refined : callable or None, optional
-        Values by name -> residuals (n,), computed so much more closely than those of `function`
-        that the difference is its error; None where it has none to speak of.
+    refined : tuple of callable, default ()
+        `function` computed ever more closely, each so much more that the difference to the one
+        before is the error of that; without any, its error is none to speak of.
 
     Raises
     ------
@@ -129,7 +129,7 @@ class DataBlock:
     curve: Callable[[Values, Array, bool], Array] | None = None
     asked: tuple[str, ...] = ()
     stayed: Callable[[Values], int] | None = None
-    refined: Callable[[Values], Array] | None = None
+    refined: tuple[Function, ...] = ()
 
     def __post_init__(self) -> None:
         groups = np.array(self.groups)
@@ -189,10 +189,16 @@ class DataBlock:
         """Return how far the residuals (n,) are off since they are computed, in the data's own
         units.
         """
-        if self.refined is None:
+        if not self.refined:
             return np.zeros(self.groups.size)
         given = self.own_values(values)
-        return self.function(given)[0] - self.refined(given)
+        return self.function(given)[0] - self.refined[0](given)[0]
+
+    def computed_closer(self) -> DataBlock:
+        """Return the block computed more closely; itself where nothing would tell its error."""
+        if len(self.refined) < 2:
+            return self
+        return replace(self, function=self.refined[0], refined=self.refined[1:], part=None)
 
     def columns_by(self, names: Sequence[str], jacobian: Array) -> Array:
         """Return derivatives (n, k) by names of those by the block's parameters, 0 by others."""
@@ -204,23 +210,24 @@ class DataBlock:
         are left out.
         """
         rows = np.flatnonzero(keep)
-        whole = self.function
         of_rows = self.part
-        refined = self.refined
 
-        def some(values: Values) -> Rows:
-            residual, jacobian = whole(values)
-            return residual[rows], jacobian[rows]
+        def some(whole: Function) -> Function:
+            def of_some(values: Values) -> Rows:
+                residual, jacobian = whole(values)
+                return residual[rows], jacobian[rows]
+
+            return of_some
 
         return replace(
             self,
-            function=some if of_rows is None else of_rows(rows),
+            function=some(self.function) if of_rows is None else of_rows(rows),
             groups=self.groups[rows],
             kinds=self.kinds[rows],
             part=None if of_rows is None else lambda fewer: of_rows(rows[fewer]),
             motions=None,
             stayed=None,
-            refined=None if refined is None else lambda values: refined(values)[rows],
+            refined=tuple(some(function) for function in self.refined),
         )
 
     def of_owner(self, owner: str, owned: Sequence[Parameter]) -> DataBlock:
@@ -320,6 +327,10 @@ class JointProblem:
         """
         values = self.values(vector)
         return np.concatenate([block.numerical_errors(values) for block in self.blocks])
+
+    def computed_closer(self) -> JointProblem:
+        """Return the problem with all blocks computed more closely that can be."""
+        return replace(self, blocks=tuple(block.computed_closer() for block in self.blocks))
 
     def subset(self, keep: ArrayLike, values: Values) -> JointProblem:
         """Return the problem of the rows where `keep` (n,) is true; empty blocks drop out.

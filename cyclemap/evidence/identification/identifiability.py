@@ -84,10 +84,7 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw = NORMAL) -> Unce
         spent = np.diag(sandwich + by_weights) ** 2 / of_groups
         spent += np.sum(share[is_belief] ** 2 / redundancy[is_belief], axis=0)
         freedom = _degrees(np.diag(covariance) ** 2, spent)
-    # Errors of computed predictions are no chance: they move the fit as one.
-    off = problem.numerical_errors(fit.vector) / fit.noise[kinds]
-    moved = inverse @ (jacobian.T @ off)
-    covariance = covariance + np.outer(moved, moved)
+    covariance = covariance + _computed_variance(problem, fit, jacobian, inverse)
     error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     outer = np.outer(error, error)
     correlation = np.divide(covariance, outer, out=np.eye(error.size), where=outer > 0.0)
@@ -156,6 +153,19 @@ def _grouped_variance(
     cross = np.einsum("gp,gip,gip->p", each, fed, pulled)
     norm = np.sum(each**2, axis=0) - 2.0 * cross + np.einsum("pij,pji->p", square, square)
     return scores.T @ scores, _degrees(trace**2, norm)
+
+
+def _computed_variance(problem: JointProblem, fit: Fit, jacobian: Array, inverse: Array) -> Array:
+    """Covariance (k, k) that comes on top because predictions are computed: their errors as they
+    are, which move the fit as one, and, since these are a sample, any others so large at random.
+    """
+    kinds = problem.kind_index
+    off = problem.numerical_errors(fit.vector) / fit.noise[kinds]
+    moved = inverse @ (jacobian.T @ off)
+    largest = np.zeros(fit.noise.size)
+    np.maximum.at(largest, kinds, np.abs(off))
+    spread = jacobian * largest[kinds, None] @ inverse
+    return np.outer(moved, moved) + spread.T @ spread
 
 
 def _degrees(above: Array, below: Array) -> Array:

@@ -48,11 +48,13 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, part_of, unheard
 from cyclemap.written import UNWRITTEN, Unit, readable_unit
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
+# What is computed may be off by this share of a kind's noise; else the search goes on more closely.
+_CLOSE_ENOUGH = 0.1
 # Fewer degrees of freedom than this make an interval rough.
 _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
@@ -417,6 +419,7 @@ def identify(
     searching = part_of(progress, 0.0, 5.0 / 3.0)
     validating = part_of(progress, 1.5, 2.5)
     searches = multi_start(problem, spread_starts(problem, starts, seed), law, known, searching)
+    problem, searches = _searched_closer(problem, searches, law, known)
     fit = searches.best
     errors = uncertainty(problem, fit, law)
     left_out, failures = cross_validate(problem, fit, fold, law, validating)
@@ -428,6 +431,26 @@ def identify(
     return Identification(
         estimates, level, believed, table, searches, fit, errors, tuple(notes), problem
     )
+
+
+def _searched_closer(
+    problem: JointProblem, searches: MultiStart, law: NoiseLaw, known: Values
+) -> tuple[JointProblem, MultiStart]:
+    """The problem so closely computed as the noise found asks for, and the searches with their best
+    one gone on in it.
+    """
+    kinds = problem.kind_index
+    rows = np.bincount(kinds)
+    while True:
+        fit = searches.best
+        closer = problem.computed_closer()
+        squares = np.bincount(kinds, problem.numerical_errors(fit.vector) ** 2)
+        is_close = np.all(np.sqrt(squares / rows) <= _CLOSE_ENOUGH * fit.noise)
+        if is_close or closer.blocks == problem.blocks:
+            return problem, searches
+        problem = closer
+        again = Search(problem, law, known).solve(fit.vector, unheard)
+        searches = replace(searches, best=again)
 
 
 def _stayed_notes(blocks: Sequence[DataBlock], values: Values) -> list[str]:

@@ -49,8 +49,8 @@ from cyclemap.mechanics.foundation import FloorField
 # Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of
 # exact ones.
 ACCURACY = 1e-3
-# What tells by how much strokes, and cycles, are off at the accuracy that is searched at.
-_REFINED = 1e-6
+# What tells by how much strokes, and cycles, are off at that, and what data of less noise ask for.
+_REFINED = (1e-6, 1e-9)
 _REFINED_CYCLES = 1e-9
 TIP_OFFSET = tuple(
     Parameter(
@@ -246,29 +246,29 @@ def _stroke_block(
         jacobian = np.concatenate([by_surface, by[..., len(names) :]], axis=-1)
         return (predicted - measured[chosen])[:, -count:], jacobian[:, -count:], stayed
 
-    def part(chosen: Labels) -> Function:
+    def part(chosen: Labels, accuracy: float = ACCURACY) -> Function:
         indices = chosen[::count] // count
 
         def function(values: Values) -> Rows:
-            residual, jacobian, _ = misfit(indices, values)
+            residual, jacobian, _ = misfit(indices, values, accuracy)
             return residual.ravel(), jacobian.reshape(residual.size, len(parameters))
 
         return function
 
-    everything = np.arange(len(strokes))
+    everything = np.arange(count * len(strokes))
     turned = [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
     groups = np.repeat([stroke.contact for stroke in strokes], count)
     return DataBlock(
         name,
         parameters,
-        part(np.arange(groups.size)),
+        part(everything),
         groups,
         np.tile(kinds, len(strokes)),
         own_parameters,
         part,
         np.array(turned),
-        stayed=lambda values: int(np.sum(misfit(everything, values)[2])),
-        refined=lambda values: misfit(everything, values, _REFINED)[0].ravel(),
+        stayed=lambda values: int(np.sum(misfit(everything[::count] // count, values)[2])),
+        refined=tuple(part(everything, accuracy) for accuracy in _REFINED),
     )
 
 
@@ -374,7 +374,7 @@ def cycle_pair_block(
         own_parameters,
         motions=np.column_stack([angles, measured]),
         curve=cycles.curve,
-        refined=lambda values: refined.residuals(values)[0],
+        refined=(refined.residuals,),
     )
 
 

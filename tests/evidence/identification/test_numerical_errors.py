@@ -47,17 +47,17 @@ def test_an_error_of_the_computation_moves_the_estimate_within_its_interval() ->
     def coarse(values: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
         return values["pusher_friction"] + 0.01 - data, np.ones((12, 1))
 
-    def exact(values: dict[str, float]) -> np.ndarray:
-        return values["pusher_friction"] - data
+    def exact(values: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        return values["pusher_friction"] - data, np.ones((12, 1))
 
     plain = DataBlock("ratios", ("pusher_friction",), coarse, np.arange(12), "ratio")
-    told = replace(plain, refined=exact)
+    told = replace(plain, refined=(exact,))
     silent = identify([plain], ["pusher_friction"], starts=1)["pusher_friction"]
     honest = identify([told], ["pusher_friction"], starts=1)["pusher_friction"]
     assert silent.upper < 0.2
     assert honest.value == silent.value
     assert honest.lower < 0.2 < honest.upper
-    assert np.isclose(honest.standard_error, 0.01, rtol=1e-3)
+    assert np.isclose(honest.standard_error, 0.01 * np.sqrt(1.0 + 1.0 / 12.0), rtol=1e-3)
     # A part of the rows keeps its own errors.
     half = told.subset(np.arange(12) < 6)
     assert np.allclose(half.numerical_errors({"pusher_friction": 0.3}), 0.01)
