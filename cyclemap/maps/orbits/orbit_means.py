@@ -9,7 +9,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS, LIFT, MEAN, Estimate
+from cyclemap.maps.estimate import ANGLE, EPS, LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
@@ -58,7 +58,8 @@ def birkhoff_average(
     the last half of the orbit, and over its first and last five twelfths, which converge like the
     whole at such a length, plus rounding. Where qρ is whole to less than 1/N, q of a few dozen, the
     mean is one over q points, which no part of the orbit shows: the error may be far above the
-    bound.
+    bound. inf where the orbit still creeps, through a bottleneck or towards an orbit of multiplier
+    ±1, so that its second half lies nowhere among its first: it has not been round once.
 
     References
     ----------
@@ -84,7 +85,12 @@ def birkhoff_average(
         raise InvalidInput(
             f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry"
         )
-    return weighted_mean(values)
+    mean = weighted_mean(values)
+    moves = np.isfinite(mean) and np.ptp(values) > ANGLE * (1.0 + np.max(np.abs(values)))
+    if moves and _creeps(visited):
+        return Estimate(mean, float("inf"))
+    # A turn is told to half a spacing of floats at 2π, whatever its size.
+    return mean if function is not None else Estimate(mean, mean.error_bound + EPS * np.pi)
 
 
 def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
@@ -231,8 +237,7 @@ def lyapunov_exponent(
       ``birkhoff_average``;
     - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means
       of 40 batches: a statistical bound, and it is about 1e-2; inf where the orbit still creeps,
-      through a bottleneck or towards an orbit of multiplier ±1, so that the second half of those
-      cycles lies nowhere among the first: it has not been round once.
+      as of ``birkhoff_average``.
 
     To each the error of F' adds (``derivative_and_error``); inf where F' is lost in it. Of the
     orbits from five angles the least bound is told, and no less than the others lie from its value.

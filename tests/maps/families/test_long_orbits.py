@@ -17,6 +17,7 @@ from cyclemap.maps import (
     lyapunov_exponents,
     orbit_diagram,
     periodic_orbits,
+    rotation_number,
     saddle_nodes,
 )
 from tests.maps.known_maps import KNOWN_TURNS
@@ -132,6 +133,27 @@ def test_the_exponent_of_a_bottleneck_is_zero_within_its_bound(gap):
     )
     assert found.holds(0.0)
     assert np.isfinite(found.error_bound) == (gap > 1e-10)
+
+
+@pytest.mark.parametrize("gap", [1e-12, 1e-9, 1e-6])
+def test_the_mean_turn_through_a_bottleneck_is_within_its_bound(gap):
+    """The turns of a Möbius map outside its tongue are known; where no turn is ended within the orbit
+    the rotation number is the middle of its bounds.
+    """
+    omega = 0.3
+    a = np.sin(np.pi * omega) * (1.0 - gap)
+    with mpmath.workdps(40):
+        cosine = mpmath.cos(mpmath.pi * omega) / mpmath.sqrt(1 - mpmath.mpf(a) ** 2)
+        truth = float(mpmath.acos(cosine) / mpmath.pi)
+    found = rotation_number(CircleMap.moebius(a, omega))
+    assert found.estimate.holds(truth) and found.lower <= truth <= found.upper
+    assert abs(found.value - truth) <= 0.5 * (found.upper - found.lower)
+    assert np.isfinite(found.estimate.error_bound) == (gap > 1e-8)
+
+
+def test_the_mean_turn_of_a_slow_rotation_is_known_before_it_has_gone_round():
+    mean = birkhoff_average(CircleMap.rigid(1e-6))
+    assert mean.holds(2e-6 * np.pi) and mean.error_bound < 1e-14
 
 
 @pytest.mark.parametrize(("period", "a"), [(7, 0.3), (15, 0.9)])
