@@ -337,7 +337,8 @@ class RotationPlane:
         The parameters of columns.
     value : ndarray
         The middle of [lower, upper], or what ``rotation_number`` gives for a map done by
-        itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0.
+        itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0,
+        or the middle where that has not gone round.
     lower, upper : ndarray
         The truth lies between them; where the lift folds, all of its rotation interval does.
     period, winding : ndarray of int
