@@ -1,5 +1,7 @@
 """Bad requests to the room: each is refused by the name of what is wrong."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -327,6 +329,14 @@ SIZES = [
     lambda: maps.bifurcation_curves(CircleMap.arnold, (0.0, 0.3), (0.5, 0.9), lines=MANY),
     lambda: maps.saddle_nodes(arnold, (0.0, 0.3), resolution=MANY),
     lambda: maps.predict_drift(DRIFT, NOISE, 100, points=MANY),
+    lambda: maps.predict_drift(DRIFT, NOISE, MANY),
+    lambda: maps.kneading_sequences(CircleMap.arnold(0.3, 3.0), 10**6),
+    lambda: maps.lyapunov_exponents(CircleMap.arnold, 0.1, 0.9, cycles=MANY),
+    lambda: maps.lyapunov_exponents(CircleMap.arnold, 0.1, 0.9, transient=MANY),
+    lambda: maps.rotation_numbers(CircleMap.moebius, 0.5, 0.3, tolerance=1 / MANY),
+    lambda: maps.rotation_plane(CircleMap.moebius, [0.5], [0.3], 1 / MANY),
+    lambda: maps.tongue(arnold, (1, 10**6 + 3), (-0.5, 1.0)),
+    lambda: maps.tongues(CircleMap.arnold, [Fraction(1, 2003)], [0.5], (-0.5, 1.0)),
 ]
 
 

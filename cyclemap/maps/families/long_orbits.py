@@ -200,6 +200,7 @@ def lyapunov_exponents(
     arrays, shape, flat = broadcast_parameters(parameters)
     count = whole_number("cycles", cycles, least=_PARTS)
     skipped = whole_number("transient", transient, least=0)
+    require_room("each orbit", skipped + count, "follow it for fewer cycles")
     theta = finite_number("start", start)
     formula = parametric_form(family)
     lengths = np.diff(np.linspace(0, count, _PARTS + 1).astype(int))

@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
-from cyclemap.checks import finite_array, positive_number, read_only, unwritable, whole_number
+from cyclemap.checks import (
+    finite_array,
+    positive_number,
+    read_only,
+    require_room,
+    unwritable,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.families.family import (
@@ -148,6 +155,7 @@ def _wanted(tolerance: float) -> float:
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
         raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
+    require_room("each orbit", 1.0 / wanted, "give a larger tolerance")
     return wanted
 
 
@@ -329,7 +337,8 @@ class RotationPlane:
         The parameters of columns.
     value : ndarray
         The middle of [lower, upper], or what ``rotation_number`` gives for a map done by
-        itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0.
+        itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0,
+        or the middle where that has not gone round.
     lower, upper : ndarray
         The truth lies between them; where the lift folds, all of its rotation interval does.
     period, winding : ndarray of int

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, even_angles
-from cyclemap.checks import finite_array, read_only, unwritable, whole_number
+from cyclemap.checks import finite_array, read_only, require_room, unwritable, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
 from cyclemap.maps.families.family import (
@@ -39,6 +39,7 @@ _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cu
 _MOST_CELLS = 65_536
 _AT_BREAK = 1e-6  # radians: an extremum is known to about the root of rounding
 RESOLUTION = 128
+_LONGEST = 1_000  # cycles of an edge's orbit: a minute and more
 _SEARCHES = 4  # times that an edge is sought, a hump that was missed before among the marks
 _QUARTERS = np.linspace(0.0, 1.0, 5)
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -355,7 +356,7 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     family : callable
         Parameter → CircleMap of degree 1.
     ratio : Fraction, int or tuple[int, int]
-        p/q, turns a cycle; as a pair in lowest terms.
+        p/q, turns a cycle, q at most 1,000; as a pair in lowest terms.
     parameters : tuple[float, float]
         (low, high), with the whole tongue inside; the family is called only there.
 
@@ -413,8 +414,9 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
 
 def rotation_ratio(ratio: Ratio) -> Fraction:
     """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms,
-    q ≥ 1."""
+    1 ≤ q ≤ 1,000."""
     if isinstance(ratio, Fraction):
+        require_room("the period", ratio.denominator, "give a smaller one", _LONGEST)
         return ratio
     if isinstance(ratio, (int, np.integer)):
         return Fraction(whole_number("ratio", ratio))
@@ -424,7 +426,7 @@ def rotation_ratio(ratio: Ratio) -> Fraction:
     q = whole_number("q", ratio[1])
     if q < 1 or gcd(p, q) != 1:
         raise InvalidInput(f"ratio is {p}/{q}: give p/q in lowest terms with q of at least 1")
-    return Fraction(p, q)
+    return rotation_ratio(Fraction(p, q))
 
 
 def tongues(

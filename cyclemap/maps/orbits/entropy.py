@@ -21,6 +21,7 @@ from cyclemap.maps.lifts.lift_checks import JUMP
 ITERATES = 60
 _MOST_CELLS = 3_000  # of the graph, whose eigenvalues are found whole
 _LOST = 1e-3  # radians: an image known no better is given up
+_MOST_IMAGES = 100_000  # of all folds together: some ten seconds
 _CLOSED = 1e-9  # radians: an image that meets a fold to so much closes its orbit
 _CLOSING = 1e-12  # of the entropy: of eigenvalues and of orbits that close to rounding
 
@@ -206,7 +207,7 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
     circle_map : CircleMap
         The map.
     length : int, default 30
-        How many images of every fold are followed at most.
+        How many images of every fold are followed at most: 100,000 over the number of folds.
 
     Returns
     -------
@@ -217,7 +218,7 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
     Raises
     ------
     InvalidInput
-        For lifts with jumps or plateaus.
+        For lifts with jumps or plateaus, and longer sequences.
 
     Notes
     -----
@@ -236,10 +237,11 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
     ((1, 0, 1, 0, 1, 0), (0, 1, 0, 1, 1, 1))
     """
     count = whole_number("length", length, least=1)
-    require_room("the sequences", count, "give a smaller length")
     folds = _folds(circle_map)
     if len(folds.parts) == 1:
         return ()
+    images = count * len(folds.parts)
+    require_room("the sequences", images, "give a smaller length", _MOST_IMAGES)
     return tuple(tuple(folds.itinerary(fold, count).letters) for fold in range(len(folds.parts)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS, LIFT, MEAN, Estimate
+from cyclemap.maps.estimate import ANGLE, EPS, LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
@@ -54,8 +54,12 @@ def birkhoff_average(
     Diophantine rotation number of a smooth map the error falls faster than any power of 1/N; a
     plain mean has 1/N. On a chaotic orbit it is about that of a plain mean, 1/√N.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first and
-    the last half of the orbit, which converge like the whole at half its length, plus rounding.
+    The error bound is estimated, not proved: the largest distance from the means over the first and
+    the last half of the orbit, and over its first and last five twelfths, which converge like the
+    whole at such a length, plus rounding. Where qρ is whole to less than 1/N, q of a few dozen, the
+    mean is one over q points, which no part of the orbit shows: the error may be far above the
+    bound. inf where the orbit still creeps, through a bottleneck or towards an orbit of multiplier
+    ±1, so that its second half lies nowhere among its first: it has not been round once.
 
     References
     ----------
@@ -81,7 +85,12 @@ def birkhoff_average(
         raise InvalidInput(
             f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry"
         )
-    return weighted_mean(values)
+    mean = weighted_mean(values)
+    moves = np.isfinite(mean) and np.ptp(values) > ANGLE * (1.0 + np.max(np.abs(values)))
+    if moves and _creeps(visited):
+        return Estimate(mean, float("inf"))
+    # A turn is told to half a spacing of floats at 2π, whatever its size.
+    return mean if function is not None else Estimate(mean, mean.error_bound + EPS * np.pi)
 
 
 def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
@@ -150,10 +159,12 @@ def weighted_mean(values: Array) -> Estimate:
     if np.any(np.isneginf(values)):
         return Estimate(-np.inf, 0.0)
     sequence = finite_array("values", values, ndim=1)
-    half = sequence.size // 2
     mean = _windowed(sequence)
+    # Two lengths: the error changes its sign with it, and may be next to nothing at one.
     apart = max(
-        abs(_windowed(half_orbit) - mean) for half_orbit in (sequence[:half], sequence[-half:])
+        abs(_windowed(stretch) - mean)
+        for size in (sequence.size // 2, 5 * sequence.size // 12)
+        for stretch in (sequence[:size], sequence[-size:])
     )
     return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
 
@@ -171,6 +182,8 @@ _NEAR = 0.05  # radians: an orbit that comes back nearer than this may be close 
 _NEWTON = 30
 _BATCHES = 40
 DEVIATIONS = 4.0  # standard errors of the batches' mean
+_CREEPS = 0.02  # an orbit of which a smaller share lies among its first half has not gone round
+_CREEP = 10  # decimals of an angle: what moves less than 1e-10 radians stands still
 _DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a quasi-periodic orbit
 _FLOOR = 1e-18  # |F'| at nodes that rounding puts on a fold
 _EVERYWHERE = TWO_PI * np.mod(np.sqrt(2.0) * np.arange(1.0, 65.0), 1.0)
@@ -223,9 +236,11 @@ def lyapunov_exponent(
     - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of
       ``birkhoff_average``;
     - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means
-      of 40 batches: a statistical bound, and it is about 1e-2.
+      of 40 batches: a statistical bound, and it is about 1e-2; inf where the orbit still creeps,
+      as of ``birkhoff_average``.
 
-    To each the error of F' adds (``derivative_and_error``); inf where F' is lost in it.
+    To each the error of F' adds (``derivative_and_error``); inf where F' is lost in it. Of the
+    orbits from five angles the least bound is told, and no less than the others lie from its value.
 
     Examples
     --------
@@ -264,7 +279,10 @@ def lyapunov_exponent(
             f"the map has several attractors: the exponent is {least:.6g} from θ = "
             f"{_STARTS[low]:.4f}, {most:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
         )
-    return min(exponents, key=lambda exponent: exponent.error_bound)
+    best = min(exponents, key=lambda exponent: exponent.error_bound)
+    known = [each for each in exponents if each != best and np.isfinite(each.error_bound)]
+    apart = max((abs(each - best) for each in known), default=0.0)
+    return Estimate(best, max(best.error_bound, apart))
 
 
 def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
@@ -302,7 +320,15 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
     if smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth)):
         return Estimate(smooth, smooth.error_bound + inexact)
-    return Estimate(float(np.mean(values)), DEVIATIONS * spread + inexact)
+    off = float("inf") if _creeps(visited) else DEVIATIONS * spread + inexact
+    return Estimate(float(np.mean(values)), off)
+
+
+def _creeps(visited: Array) -> bool:
+    """Whether an orbit's second half lies beside its first, and not among it."""
+    first, last = (np.unique(np.round(half, _CREEP)) for half in np.array_split(visited, 2))
+    among = np.unique(np.searchsorted(first, last))
+    return bool(among.size < _CREEPS * last.size)
 
 
 def _log_slopes(circle_map: CircleMap, theta: Array, off: Array | float) -> tuple[Array, float]:

@@ -381,6 +381,7 @@ def predict_drift(
             f"the map is {drifting!r}: give a DriftingMap, or use predict_staircase for a fixed map"
         )
     count = whole_number("cycles", cycles, least=2)
+    require_room("the run", count, "give fewer cycles")
     many = whole_number("points", points, least=2)
     require_room("the frozen maps", many, "give fewer points")
     chosen = np.linspace(0.0, count - 1.0, many)

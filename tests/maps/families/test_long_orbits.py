@@ -17,6 +17,7 @@ from cyclemap.maps import (
     lyapunov_exponents,
     orbit_diagram,
     periodic_orbits,
+    rotation_number,
     saddle_nodes,
 )
 from tests.maps.known_maps import KNOWN_TURNS
@@ -102,6 +103,68 @@ def test_the_error_bound_holds_at_every_length_and_falls_faster_than_any_power(c
     # power.
     steps = [a / max(b, 1e-16) for a, b in pairwise(bounds)]
     assert sum(step > 100 for step in steps) >= 2
+
+
+@pytest.mark.parametrize(
+    ("one_in", "a", "shortest"), [(10, 0.6, 960), (40, 0.6, 540), (60, 0.9, 420)]
+)
+def test_the_error_bound_holds_where_halves_of_the_orbit_happen_to_err_little(one_in, a, shortest):
+    """Möbius maps of badly approximable rotation numbers near 1/10, 1/40, 1/60: the mean of e^{iθ} is
+    their fixed point within the circle.
+    """
+    turns = 1.0 / (one_in + 0.5 * (np.sqrt(5.0) - 1.0))
+    omega = np.arccos(np.sqrt(1.0 - a * a) * np.cos(np.pi * turns)) / np.pi
+    turn = np.exp(2j * np.pi * omega)
+    truth = min(np.roots([a, turn - 1.0, -turn * a]), key=abs).real
+    circle_map = CircleMap.moebius(a, omega)
+    for iterates in range(shortest, shortest + 20):
+        mean = birkhoff_average(circle_map, np.cos, start=1.0, iterates=iterates)
+        assert abs(mean - truth) <= mean.error_bound
+
+
+@pytest.mark.parametrize("gap", [1e-12, 4e-11, 1e-9, 1e-7, 1e-5, 1e-3])
+def test_the_exponent_of_a_bottleneck_is_zero_within_its_bound(gap):
+    """A Möbius map outside its tongue is a rotation in other angles; through the narrowest of these
+    bottlenecks an orbit takes more cycles than are followed.
+    """
+    omega = 0.3585962076586148
+    found = lyapunov_exponent(
+        CircleMap.moebius(np.sin(np.pi * omega) * (1.0 - gap), omega), start=1.0
+    )
+    assert found.holds(0.0)
+    assert np.isfinite(found.error_bound) == (gap > 1e-10)
+
+
+@pytest.mark.parametrize("gap", [1e-12, 1e-9, 1e-6])
+def test_the_mean_turn_through_a_bottleneck_is_within_its_bound(gap):
+    """The turns of a Möbius map outside its tongue are known; where no turn is ended within the orbit
+    the rotation number is the middle of its bounds.
+    """
+    omega = 0.3
+    a = np.sin(np.pi * omega) * (1.0 - gap)
+    with mpmath.workdps(40):
+        cosine = mpmath.cos(mpmath.pi * omega) / mpmath.sqrt(1 - mpmath.mpf(a) ** 2)
+        truth = float(mpmath.acos(cosine) / mpmath.pi)
+    found = rotation_number(CircleMap.moebius(a, omega))
+    assert found.estimate.holds(truth) and found.lower <= truth <= found.upper
+    assert abs(found.value - truth) <= 0.5 * (found.upper - found.lower)
+    assert np.isfinite(found.estimate.error_bound) == (gap > 1e-8)
+
+
+def test_the_mean_turn_of_a_slow_rotation_is_known_before_it_has_gone_round():
+    mean = birkhoff_average(CircleMap.rigid(1e-6))
+    assert mean.holds(2e-6 * np.pi) and mean.error_bound < 1e-14
+
+
+@pytest.mark.parametrize(("period", "a"), [(7, 0.3), (15, 0.9)])
+def test_orbits_that_nearly_close_are_told_apart_by_where_they_start(period, a):
+    """Of a Möbius map that turns by 1/period + 1e-7 every exponent is zero, but forty thousand cycles
+    see little but ``period`` points, others from each start.
+    """
+    turns = 1.0 / period + 1e-7
+    omega = np.arccos(np.sqrt(1.0 - a * a) * np.cos(np.pi * turns)) / np.pi
+    found = lyapunov_exponent(CircleMap.moebius(a, omega))
+    assert found.holds(0.0) and found.error_bound < 1e-6
 
 
 @pytest.mark.slow
