@@ -53,7 +53,9 @@ WIDTH = 0.7
 # Of a log no more pushes are read than these, the last ones.
 MOST_PUSHES = 2000
 # What is tried of a cycle's noise, in shares of what is believed, and of the change in a push, rad.
-_NOISES = (1.0, 2.0, 4.0)
+# A share of two or of a half is one standard deviation of what is believed of the noise itself, so
+# that a short log leaves it as it is.
+_NOISES = (1.0, 0.25, 0.5, 2.0, 4.0)
 _CHANGES = tuple(math.radians(change) for change in (0.03, 0.1, 0.3))
 # How likely a push is that no map explains, and how many standard deviations off it must be.
 _JUMP = 1e-3
@@ -288,8 +290,7 @@ class LoggedTurns:
     change : ndarray, (draws, nodes)
         By how much these will have changed after the pushes ahead, rad.
     sigma : float
-        Standard deviation of a cycle's noise, rad: of those tried the one by which the log was
-        likeliest.
+        Standard deviation of a cycle's noise, rad: of those tried the likeliest after the log.
     """
 
     turns: Array
@@ -314,8 +315,8 @@ def turns_after_log(
     path : sequence of float
         Orientations before successive pushes, rad, whole turns as they may be.
     sigma : float
-        Standard deviation of a cycle's noise, rad, as it is believed; up to four times it is
-        tried.
+        Standard deviation of a cycle's noise, rad, as it is believed; a quarter to four times it
+        is tried, twice or half of it believed to be one standard deviation off.
     ahead : int
         Pushes over which the map goes on changing.
     draws : int
@@ -367,7 +368,9 @@ def turns_after_log(
         for share in _NOISES
         for change in _CHANGES
     ]
-    likeliest = max(tried, key=lambda state: state.evidence)
+    likeliest = max(
+        tried, key=lambda state: state.evidence - 0.5 * math.log2(state.sigma / scatter) ** 2
+    )
     weight = np.exp(likeliest.likelihood - likeliest.likelihood.max())
     sample = rng.choice(len(believed), count, p=weight / weight.sum())
     off, walk = (

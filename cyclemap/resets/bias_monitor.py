@@ -153,9 +153,10 @@ class BiasMonitor:
       (``VisitEvidence``), half at arcs of the circle that the first 48 pushes keep to
       (``ArcEvidence``): half a circle is told after 26 pushes in the median;
     - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°),
-      comes back within ``half_width`` with chance ½ at most: independent uniform θ0, turns that
-      scatter by 3.3° or more, and steady walks faster than 1.2° a push (``RestRule``): at 3 ± 1.1°
-      a push, or 120 ± 5°, it is far below ½.
+      comes back within ``half_width`` with chance ½ at most: independent uniform θ0, turns that do
+      not depend on θ0 and of which no more than half fall within any 6° (normal ones that scatter
+      by 4.5° or more), and walks without scatter faster than 1.2° a push (``RestRule``). Slow walks
+      that scatter less have no theorem: at 2 ± 1.1° a push or faster it is far below ½.
 
     What is slower, or comes round to the very same two, three or four directions, does raise the
     alarm: its law may be even in the long run, but its next hundred pushes repeat the last ones.

@@ -165,7 +165,8 @@ def alarm_sentence(alarm: Alarm) -> str:
         if alarm.kind == "rest"
         else ("visits gather near", "")
     )
-    return f"ALARM at push {alarm.push}: {how} {directions(alarm.directions)}{since}."
+    when = f"ALARM at push {alarm.push}, counted from 0"
+    return f"{when}: {how} {directions(alarm.directions)}{since}."
 
 
 def rest_sentence(report: BiasReport) -> str:
@@ -177,9 +178,10 @@ def rest_sentence(report: BiasReport) -> str:
     useful = report.useful_pushes
     pushes = counted(useful, "push", "es") if useful else "no push"
     worth = "" if useful is None else f"; {pushes} more there would tell much that is new"
-    return (
-        f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
-    )
+    # The sentence of an alarm before it has said how pushes are counted.
+    count = ", counted from 0" if report.alarm is None else ""
+    since = f"since push {report.rest.began}{count}"
+    return f"It rests near {directions(report.rest.directions)} {since}{worth}."
 
 
 def coverage_sentence(report: BiasReport) -> str:

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.collection.lock_forecast import DEVIATION, WIDTH, sampled_paths, turns_after_log
+from cyclemap.collection.lock_forecast import (
+    DEVIATION,
+    WIDTH,
+    forecast_from_turns,
+    sampled_paths,
+    turns_after_log,
+)
 
 NODES = 96
 THETA = 2.0 * np.pi * np.arange(NODES) / NODES
@@ -64,6 +70,25 @@ def test_intervals_hold_the_map_where_the_log_has_been_and_where_it_has_not() ->
     assert 0.85 < np.mean(inside) < 0.95
 
 
+@pytest.mark.parametrize("share", [0.25, 1.0, 4.0])
+def test_the_log_tells_its_noise_where_another_is_believed(share: float) -> None:
+    """Of a loop that rests, the orientations still to be seen are within their 90 % intervals."""
+    rest = -np.radians(15.0) * np.sin(THETA - 1.0)
+    held = []
+    for world in range(20):
+        rng = np.random.default_rng([6, world])
+        path = np.array(run_of(rest, 160, rng))
+        believed = rest + np.radians([[-2.0], [2.0]])
+        logged = turns_after_log(believed, path[:61].tolist(), SIGMA / share, 100, draws=160)
+        assert SIGMA / 2.0 <= logged.sigma <= 2.0 * SIGMA
+        ahead = forecast_from_turns(
+            logged.turns, logged.sigma, 100, float(path[60]), change=logged.change
+        ).orientations
+        seen = len(set(np.floor(np.degrees(np.mod(path[60:], 2.0 * np.pi)) / 10.0)))
+        held.append(ahead.lower <= seen <= ahead.upper)
+    assert sum(held) >= 16
+
+
 def test_the_log_tells_which_sample_made_it() -> None:
     """Samples further apart than the deviation: draws come from the one that made the log."""
     samples = np.radians(np.array([-60.0, 0.0, 60.0]))[:, None] + np.zeros((3, NODES))
@@ -105,6 +130,7 @@ def test_a_map_that_changes_is_followed_and_goes_on_changing() -> None:
 def test_a_log_of_one_orientation_leaves_what_is_believed() -> None:
     believed = np.radians([[1.0], [3.0]]) + np.zeros((2, NODES))
     logged = turns_after_log(believed, [1.0], SIGMA, 50, draws=4000)
+    assert logged.sigma == SIGMA
     assert logged.turns.mean() == pytest.approx(math.radians(2.0), abs=math.radians(0.3))
     assert logged.turns.std() == pytest.approx(math.hypot(DEVIATION, math.radians(1.0)), rel=0.1)
 

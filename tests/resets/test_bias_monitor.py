@@ -55,6 +55,7 @@ UNBIASED = {
     ),
     "half turns": lambda random: np.cumsum(np.radians(180.0 + 5.0 * random.standard_normal(600))),
     "wide noise": lambda random: np.cumsum(np.radians(40.0 * random.standard_normal(600))),
+    "least scatter": lambda random: np.cumsum(np.radians(4.5 * random.standard_normal(600))),
 }
 
 

@@ -43,16 +43,24 @@ def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
     told = " ".join(sentences.watch_sentences(locked[1][-1]))
     alarm = locked[1][-1].alarm
     for part in (
-        f"ALARM at push {alarm.push}: θ0 rests near {np.degrees(alarm.directions[0]):.1f}°",
-        "since push 0",
+        f"ALARM at push {alarm.push}, counted from 0: θ0 rests near "
+        f"{np.degrees(alarm.directions[0]):.1f}° since push 0.",
     ):
         assert part in told
+    assert told.count("counted from 0") == 1
     assert "no push more there would tell much" in told
     assert "Change the reset: bring θ0 to" in told
     told = " ".join(sentences.watch_sentences(even[1][-1]))
     assert told.startswith("No alarm in 200 pushes: evidence 1")
     assert "of the 100 needed at an alarm rate of 0.02" in told
     assert "Carry on; least covered: " in told
+
+
+def test_a_rest_without_an_alarm_says_how_its_pushes_are_counted() -> None:
+    """Nine pushes on one spot are a rest, and too few for an alarm."""
+    told = " ".join(sentences.watch_sentences(course_of(np.full(9, 0.5))[1][-1]))
+    assert told.startswith("No alarm in 9 pushes")
+    assert "It rests near 28.6° since push 0, counted from 0." in told
 
 
 def test_rests_on_several_directions_and_gatherings_are_worded_apart() -> None:

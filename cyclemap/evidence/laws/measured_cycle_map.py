@@ -46,6 +46,8 @@ _MISFIT = 3.0
 _CROWD = 10
 # Paths that lie less often than this where orientations were measured foretell nothing.
 _INSIDE = 0.98
+# Radians: turns of less are rounding.
+_STILL = 1e-11
 # Orientations that stand for all paths, and paths whose distance from these is measured.
 _POOLED = 20_000
 _COMPARED = 40
@@ -313,7 +315,7 @@ def measured_cycle_map(
     Raises
     ------
     InvalidInput
-        For fewer than 20 pairs, and where they do not fix the map.
+        For fewer than 20 pairs, and where they do not fix the map, as where none turns.
     ConvergenceError
         Where the scatter could not be fitted.
 
@@ -333,6 +335,12 @@ def measured_cycle_map(
     if pairs.theta.size < FEWEST:
         raise InvalidInput(
             f"{pairs.theta.size} pairs are too few for a cycle map; give at least {FEWEST}"
+        )
+    if np.max(np.abs(shorter_way(pairs.turn))) <= _STILL:
+        raise InvalidInput(
+            "θ0 never changed from one push to the next: either each reset took the object back to "
+            "the very same orientation, so that all pushes repeat one, or the data repeat one "
+            "reading; check the readings, or begin pushes from other orientations"
         )
     fitted = _fitted(pairs, harmonics, wear, seed)
     part_of(progress, 0, 2)(1.0)

@@ -4,6 +4,7 @@ much of an error the last cycles of a path keep.
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -269,6 +270,8 @@ def _log(slope: Array) -> Array:
 LAST = 100
 _LEAST = 20
 _RESTS = np.pi / 2  # radians: a path that spreads over more does not rest
+# Standard deviations of the way that kicks alone go; a path that goes farther is still on its way.
+_DRIFTS = 2.0
 # multipliers that are tried
 _GRID = np.append(np.linspace(-0.95, 0.95, 77), [0.97, 0.98, 0.99, 1.0])
 _PATHS = 2_000
@@ -287,7 +290,7 @@ class RestMultiplier:
     lower, upper : float
         95 % interval, in [-1, 1]: at 1 the direction is being lost, or has been.
     cycles : int
-        How many it comes from.
+        How many it comes from: the last ones that rest.
     theta : float
         Their mean direction, radians in [0, 2π).
 
@@ -325,8 +328,10 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
     -------
     RestMultiplier or None
         None where the cycles do not rest, and where there are fewer than 20. They rest where
-        they spread over less than a quarter of a turn about their mean; a spread of 1e-13 rad
-        is rounding.
+        they spread over less than a quarter of a turn about their mean, and end no farther from
+        where they began than kicks alone would take them (two standard deviations); a spread of
+        1e-13 rad is rounding. Where the last ``last`` do not, the last half of them may, and so
+        on, down to 20: what came before was the way to the rest.
 
     Raises
     ------
@@ -366,16 +371,38 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
         return None
     path = path[-count - 1 :]
     require_room("the simulated paths", _PATHS * path.size, "give a smaller last")
-    middle = float(np.angle(np.mean(np.exp(1j * path))))
-    away = shorter_way(path - middle)
-    if not ANGLE < np.ptp(away) < _RESTS:
-        return None
+    middle, away = _about_middle(path)
+    while not _rests(away):
+        if path.size == _LEAST + 1:
+            return None
+        path = path[-max(path.size // 2, _LEAST) - 1 :]
+        middle, away = _about_middle(path)
     seen = float(_regression(away[None])[0])
     below, median, above = _quantiles(path.size)
     value, lower, upper = (float(np.interp(seen, row, _GRID)) for row in (median, above, below))
     return RestMultiplier(
         value, -1.0 if seen < above[0] else lower, upper, path.size - 1, middle % TWO_PI
     )
+
+
+def _about_middle(path: Array) -> tuple[float, Array]:
+    """The mean direction of a path, and its angles from there, the shorter way round."""
+    middle = float(np.angle(np.mean(np.exp(1j * path))))
+    return middle, shorter_way(path - middle)
+
+
+def _rests(away: Array) -> bool:
+    """Whether a path about its middle neither spreads widely nor goes from one side to the other.
+
+    Of paths with λ = 1 one in twenty ends beyond the limit, with λ < 1 fewer.
+    """
+    if not ANGLE < np.ptp(away) < _RESTS:
+        return False
+    before = away[:-1] - away[:-1].mean()
+    after = away[1:] - away[1:].mean()
+    kicks = after - float(_regression(away[None])[0]) * before
+    kick = math.sqrt(float(np.sum(kicks**2)) / (kicks.size - 2))
+    return abs(float(away[-1] - away[0])) <= _DRIFTS * kick * math.sqrt(kicks.size)
 
 
 def _regression(paths: Array) -> Array:

@@ -39,6 +39,29 @@ def test_it_is_the_multiplier_of_the_fixed_point_that_a_noisy_map_rests_at_on_th
     assert abs(wrapped.value - found[0].value) < 1e-9
 
 
+def test_a_path_on_its_way_to_a_rest_is_told_by_the_cycles_that_rest():
+    """Sixty cycles from a radian off, of which the second thirty are at rest."""
+    found = []
+    for path in paths(0.5, size=61):
+        found.append(rest_multiplier(path + 0.5 ** np.arange(61)))
+    held = np.mean([rest.lower <= 0.5 <= rest.upper for rest in found])
+    above = np.mean([rest.value > 0.5 for rest in found])
+    assert held >= 0.95 - 0.047 and 0.5 - 0.106 <= above <= 0.5 + 0.106
+    assert all(min(rest.theta, 2 * np.pi - rest.theta) < 0.02 for rest in found)
+    assert all(rest.cycles <= 30 for rest in found)
+
+
+def test_a_steady_climb_does_not_rest_however_short_and_a_lost_direction_may():
+    """Thirty cycles of two kicks each cover less than a quarter of a turn; of kicks alone one path
+    in twenty ends too far off.
+    """
+    kicks = np.random.default_rng(5).normal(0.0, 0.02, (200, 30))
+    assert all(rest_multiplier(np.cumsum(path + 0.04)) is None for path in kicks)
+    lost = [rest_multiplier(np.cumsum(path)) for path in kicks]
+    told = [rest for rest in lost if rest is not None]
+    assert len(told) >= 180 and np.mean([rest.upper == 1.0 for rest in told]) > 0.9
+
+
 def test_what_does_not_rest_has_none():
     assert rest_multiplier(np.linspace(0.0, 6.0, 101)) is None
     assert rest_multiplier(np.zeros(10)) is None
