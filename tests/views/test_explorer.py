@@ -299,6 +299,18 @@ def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(
 
 
 @pytest.mark.slow
+def test_a_link_with_settings_tells_what_they_give(explored, open_page) -> None:
+    """The answer is that of the link's own settings, though stories of other rings are looked for
+    meanwhile.
+    """
+    page = open_page(f"{explored.as_uri()}#hitch_x_mm=-9.4&mu_a=0.3", offline=True)
+    page.wait_for_selector("body[data-drawn$='fine']")
+    points = page.evaluate("cyclemap.answer.fixed_points.map((point) => point.theta_deg)")
+    true = fixed_points(loop_of("plywood", {"hitch_x_mm": -9.4, "mu_a": 0.3}))
+    assert np.radians(points) == pytest.approx([point for point, _ in true], abs=1e-8)
+
+
+@pytest.mark.slow
 def test_no_slider_waits(explored, open_page) -> None:
     """A frame stands soon after a slider has moved; the least of twenty: others run beside it."""
     page = open_page(explored.as_uri(), offline=True)
