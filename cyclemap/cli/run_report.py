@@ -141,9 +141,12 @@ def run_explore(asked: ExploreOptions) -> None:
     pairs = None
     if asked.data is not None:
         pairs = measured_pairs(readable_data(asked.data, asked.table, asked.out))
+    cycles, start = length_and_start(None if pairs is None else pairs.path)
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
-        drawn = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
-    page = page_html(drawn, 0.0, (surface,), chosen.settings, pairs=pairs)
+        drawn = portrait(
+            chosen.loop, sigma=chosen.sigma, cycles=cycles, start=start, progress=progress
+        )
+    page = page_html(drawn, start, (surface,), chosen.settings, pairs=pairs)
     place = asked.out / f"{result_name('explore', chosen.loop)}.html"
     write_page(page, place)
     if asked.browser:

@@ -211,12 +211,18 @@ def _stories(loop: CollectionLoop) -> dict[str, object]:
     """
     hitch = np.asarray(loop.slider.hitch)
     distance = math.hypot(*hitch)
-    along = (hitch / distance).tolist() if distance > 0.0 else [1.0, 0.0]
+    along = hitch / distance if distance > 0.0 else np.array([1.0, 0.0])
+    # No farther than the sliders of the ring reach; the last place tried is .05 farther than told.
+    reach = np.maximum(SETTINGS["hitch_x_mm"].high, 1e3 * np.abs(hitch)) / 1.05
+    with np.errstate(divide="ignore"):
+        farthest = min(
+            1e3 * (_FARTHEST * distance or _FARTHEST_FROM_ORIGIN), *reach / np.abs(along)
+        )
     usual = slider_values(CollectionLoop.mit("plywood"), 0.0)
     floor = {key: usual[key] for key in _USUAL_FLOOR} | dict.fromkeys((*SHAPES, *SHARES), 0.0)
     return {
-        "along": along,
-        "farthest": 1e3 * (_FARTHEST * distance or _FARTHEST_FROM_ORIGIN),
+        "along": along.tolist(),
+        "farthest": float(farthest),
         "floor": floor,
     }
 
@@ -262,7 +268,9 @@ def slider_controls(
     left_out |= set() if parts["can_share"] else {*SHARES}
     left_out |= set() if parts.get("can_frame") else {"inner_share", "rim_share"}
     left_out |= set() if parts.get("can_corner") else {"corner_share"}
-    left_out |= set() if tables["is_convex"] else {"pusher_radius_mm"}
+    # The contact curve of a point about corners has no arcs, which a rod rolls along.
+    has_arcs = tables["semi_axes"] is not None or values["pusher_radius_mm"] > 0.0
+    left_out |= set() if tables["is_convex"] and has_arcs else {"pusher_radius_mm"}
     for setting in CONTROLS:
         value = values[setting.key]
         high = max(
@@ -270,7 +278,6 @@ def slider_controls(
         )
         low = min(setting.low, value)
         if setting.key == "pusher_radius_mm" and value > 0.0:
-            # The contact curve of a point has no arcs.
             low = min(setting.step, value)
         if setting.key in left_out or high <= low:
             continue

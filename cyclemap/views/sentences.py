@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from decimal import Decimal
+from decimal import ROUND_UP, Context
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
@@ -34,6 +34,8 @@ MOST_PEAKS = 3
 _MISFIT_LETTERS = 480
 # Decimals of a degree at most: no orientation is known better.
 _FINEST = 3
+# Of a bound, rounded so that it stays one.
+_ONE_DIGIT = Context(prec=1, rounding=ROUND_UP)
 _COUNTS = {2: "two", 3: "three", 4: "four"}
 # A share is told in whole per cent where it is known so well.
 _TOLD_SHARE = 0.005
@@ -448,7 +450,7 @@ def push_line(portrait: Portrait) -> str:
 
 def accuracy_line(portrait: Portrait) -> str:
     """How the map was computed and how well."""
-    error = Decimal(f"{math.degrees(portrait.map.max_error):.1g}")
+    error = _ONE_DIGIT.create_decimal(math.degrees(portrait.map.max_error))
     return f"cycle map from {portrait.map.samples} computed cycles, error below {error:f}°"
 
 

@@ -18,10 +18,16 @@ from scipy.optimize import brentq
 
 import cyclemap as cm
 from cyclemap.cli.main import cli
+from cyclemap.collection import portrait
 from cyclemap.mechanics.browser_tables import browser_tables
 from cyclemap.protocol import loop_from_settings, read_protocol
 from cyclemap.protocol.chosen_loop import set_settings
-from cyclemap.views.explorer_page import explorer_frame, slider_controls, slider_values
+from cyclemap.views.explorer_page import (
+    explorer_frame,
+    page_html,
+    slider_controls,
+    slider_values,
+)
 
 SIGMA = math.radians(1.1)
 L_SHAPE = {"vertices_mm": [[-45, 45], [-45, -45], [45, -45], [45, 0], [0, 0], [0, 45]], "side": 1}
@@ -299,6 +305,64 @@ def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(
 
 
 @pytest.mark.slow
+def test_a_link_with_settings_tells_what_they_give(explored, open_page) -> None:
+    """The answer is that of the link's own settings, though stories of other rings are looked for
+    meanwhile.
+    """
+    page = open_page(f"{explored.as_uri()}#hitch_x_mm=-9.4&mu_a=0.3", offline=True)
+    page.wait_for_selector("body[data-drawn$='fine']")
+    points = page.evaluate("cyclemap.answer.fixed_points.map((point) => point.theta_deg)")
+    true = fixed_points(loop_of("plywood", {"hitch_x_mm": -9.4, "mu_a": 0.3}))
+    assert np.radians(points) == pytest.approx([point for point, _ in true], abs=1e-8)
+
+
+@pytest.mark.slow
+def test_links_and_numbers_are_told_as_they_are_computed(explored, open_page) -> None:
+    """A link moves what sliders can move, as far as they reach; what lies between two steps is
+    shown whole; another link of the same page is followed.
+    """
+    address = f"{explored.as_uri()}#rim_share=-0.5&push_mm=120.5&mu_a=&side=0.6"
+    page = open_page(address, offline=True)
+    page.wait_for_selector("body[data-drawn='1-fine']")
+    told = page.evaluate("cyclemap.values")
+    assert (told["rim_share"], told["push_mm"], told["side"]) == (0.0, 120.5, 1.0)
+    assert told["mu_a"] == pytest.approx(0.2545)
+    shown = page.evaluate("document.getElementById('push_mm-number').value")
+    assert shown == "120.5"
+    assert page.evaluate("document.getElementById('mu_a-number').value") == "0.2545"
+    page.evaluate("location.hash = 'hitch_x_mm=-9'")
+    page.wait_for_selector("body[data-drawn='2-fine']")
+    followed = page.evaluate("cyclemap.values")
+    assert (followed["hitch_x_mm"], followed["push_mm"]) == (-9.0, 150.0)
+
+
+@pytest.mark.slow
+def test_the_staircase_is_as_long_as_the_measured_one_and_starts_with_it(tmp_path) -> None:
+    """Else what was measured later is left out of the picture, and turns are counted from
+    elsewhere.
+    """
+    rows = [f"{(40 + 8 * index) % 360}" for index in range(3000)]
+    (tmp_path / "measured.csv").write_text("\n".join(["theta0_deg", *rows]))
+    page = written(tmp_path, "--data", str(tmp_path / "measured.csv")).read_text()
+    shown = json.loads(
+        re.search(r'<script type="application/json" id="data">(.*?)</script>', page)[1]
+    )
+    assert (shown["cycles"], shown["start_deg"]) == (2999, pytest.approx(40.0))
+    assert shown["answer"]["staircase"]["turns"][0] == shown["measured"]["staircase"][0]
+
+
+@pytest.mark.slow
+def test_a_turn_and_a_third_gets_around_once(open_page, tmp_path) -> None:
+    """Sixty cycles of 8 degrees each, as many as a short collection has."""
+    shown = portrait(cm.CollectionLoop.mit("isotropic"), cycles=60)
+    place = tmp_path / "short.html"
+    place.write_text(page_html(shown, 0.0, ("isotropic",), {}))
+    page = open_page(f"{place.as_uri()}#start_deg=1", offline=True)
+    page.wait_for_selector("body[data-drawn='1-fine']")
+    assert "In 60 pushes with this noise it gets around once." in page.inner_text("#said")
+
+
+@pytest.mark.slow
 def test_no_slider_waits(explored, open_page) -> None:
     """A frame stands soon after a slider has moved; the least of twenty: others run beside it."""
     page = open_page(explored.as_uri(), offline=True)
@@ -383,6 +447,10 @@ def test_sliders_stand_where_the_loop_is_and_reach_as_far() -> None:
     assert "pusher_radius_mm" not in {
         row["key"] for row in controls_of(loop_of("plywood", L_SHAPE))
     }
+    # About corners a point has no arcs for a thicker rod to roll along.
+    for shape, has_slider in (("rect1", False), ("ellip1", True)):
+        point = loop_of("plywood", {"shape": shape, "pusher_radius_mm": 0.0})
+        assert ("pusher_radius_mm" in {row["key"] for row in controls_of(point)}) is has_slider
     on_points = {row["group"] for row in controls_of(loop_of("plywood", {"footprint": "grid:8"}))}
     assert on_points.isdisjoint(("Pressure", "Shape")) and "Ring" in on_points
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -186,6 +187,14 @@ def test_sentences_of_noise_staircase_agreement_and_parameters_carry_the_numbers
         "rod ⌀ 9.5 mm, μ 0.15",
     ):
         assert part in said
+
+
+def test_the_error_that_is_told_is_no_smaller_than_the_error() -> None:
+    """One digit of a bound, rounded so that it still is one."""
+    for degrees, told in ((1.4e-4, "0.0002"), (5.436e-5, "0.00006"), (0.03, "0.03")):
+        known = SimpleNamespace(samples=99, max_error=math.radians(degrees))
+        said = sentences.accuracy_line(SimpleNamespace(map=known))
+        assert said.endswith(f"error below {told}°")
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,8 @@ function said(answer) {
   const sentences = [locked(stable, turned, answer.courses[0][0])];
   sentences.push(stable.length ? kept(stable[0]) : turning(answer.turn));
   if (density) sentences.push(biased(density));
-  const around = turned < 1.5 ? "it never gets around" : `it gets around ${Math.round(turned)} times`;
+  const times = Math.floor(turned);
+  const around = ["it never gets around", "it gets around once"][times] ?? `it gets around ${times} times`;
   sentences.push(`In ${given.cycles} pushes with this noise ${around}.`);
   if (jumps.length) {
     const places = jumps.map((theta) => `${theta.toFixed(1)}°`).join(", ");
@@ -125,7 +126,7 @@ function locked(stable, turned, push) {
   const places = stable.map(({ theta_deg: theta }) => {
     return `orientation ${minus(theta, 1)}°, pushed towards ${minus(signed(world + theta - facing), 1)}°`;
   });
-  return `${given.name} ${turned > 1.5 ? "rests at" : "locks into"} ${places.join(" and ")}`;
+  return `${given.name} ${turned >= 1 ? "rests at" : "locks into"} ${places.join(" and ")}`;
 }
 
 function kept({ multiplier, theta_deg: theta }) {
@@ -191,18 +192,36 @@ function remember() {
 function move(key, value) {
   const control = controls.get(key);
   if (!control || !Number.isFinite(value)) return;
-  const kept = Math.min(Math.max(value, control.low), control.high);
+  const kept = within(control, value);
   if (Math.abs(kept - control.value) < 1e-9) delete state.moved[key];
   else state.moved[key] = kept;
   place(key);
   update();
 }
 
+// What its slider can be moved to, of a value that is typed or linked to.
+function within({ key, low, high }, value) {
+  const whole = key === "side" ? Math.round(value) : value;
+  return Math.min(Math.max(whole, low), high);
+}
+
+// What a link moves; the rest stays where the page was written.
+function linked() {
+  const moved = {};
+  for (const [key, words] of new URLSearchParams(location.hash.slice(1))) {
+    const value = words.trim() ? Number(words) : NaN;
+    if (controls.has(key) && Number.isFinite(value)) moved[key] = within(controls.get(key), value);
+  }
+  return moved;
+}
+
 function place(key) {
   const control = controls.get(key);
   const value = state.moved[key] ?? control.value;
   control.slider.value = value;
-  control.number.value = value.toFixed(Math.max(0, -Math.floor(Math.log10(control.step))));
+  const rounded = value.toFixed(Math.max(0, -Math.floor(Math.log10(control.step))));
+  // What lies between two steps is told as it is.
+  control.number.value = Math.abs(rounded - value) < 1e-9 ? rounded : Number(value.toPrecision(5));
   control.row.classList.toggle("moved", key in state.moved);
 }
 
@@ -350,15 +369,18 @@ document.addEventListener("keydown", (event) => {
   if (event.key === " ") { event.preventDefault(); actions.play(); }
   if (event.key === "b") actions.keep();
 });
+window.addEventListener("hashchange", () => {
+  state.moved = linked();
+  for (const key of controls.keys()) place(key);
+  update();
+});
 find("controls").addEventListener("submit", (event) => event.preventDefault());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => panels.redraw());
 
 find("play").textContent = playing ? "Pause" : "Play";
 const begin = { key: "start_deg", label: "start θ0", unit: "°", group: "Start", value: given.start_deg };
 build([{ ...begin, low: 0, high: 360, step: 1 }, ...given.controls]);
-for (const [key, value] of new URLSearchParams(location.hash.slice(1))) {
-  if (controls.has(key) && Number.isFinite(Number(value))) state.moved[key] = Number(value);
-}
+state.moved = linked();
 for (const key of controls.keys()) place(key);
 show({ ...given.answer, id: 0 });
 // The engine starts once the first picture stands.

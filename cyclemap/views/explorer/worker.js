@@ -17,12 +17,14 @@ const STOPPED = {
 };
 const NO_BALANCE = "The balance of forces cannot be solved here: take a floor nearer to isotropic.";
 
-let engine = null, newest = 0, roughCount = 24;
+// Stories are looked for while questions are answered, so each has an engine of its own.
+let engine = null, aside = null, newest = 0, roughCount = 24;
 const pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
 
 onmessage = async ({ data }) => {
   if (data.wasm) {
     engine = new Engine(await compiled(data.wasm), data.tables);
+    aside = new Engine(await compiled(data.wasm), data.tables);
     postMessage({ ready: true });
   } else if (data.stories) {
     postMessage({ stories: await stories(data) });
@@ -95,8 +97,8 @@ async function stories({ values, floor, along, farthest }) {
       const place = along.map((unit) => Math.round(10 * unit * share * farthest) / 10);
       const moved = { ...own, hitch_x_mm: place[0], hitch_y_mm: place[1] };
       await pause(0);
-      const refused = engine.set({ ...values, ...moved }, ROUGH);
-      const { status, map } = refused ? { status: 0 } : await sampledMap(engine, 32, 0);
+      const refused = aside.set({ ...values, ...moved }, ROUGH);
+      const { status, map } = refused ? { status: 0 } : await sampledMap(aside, 32, 0);
       if (status < 1) continue;
       const density = stationaryDensity(map, values.noise_deg * RADIAN, 1);
       if (!density) continue;
