@@ -269,7 +269,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "maps/orbits/periodic_points.py": (
         ORBITS,
         [
-            ("np.where(flips, left * right < 1.0,", "np.where(flips, left * right > 1.0,"),
+            ("flips = (left < 0.0) & (right < 0.0)", "flips = (left < 0.0) | (right < 0.0)"),
             (
                 "unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))",
                 "unsure = NEUTRAL",
@@ -299,8 +299,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("weight = np.exp(-1.0 / (t * (1.0 - t)))", "weight = np.exp(-1.0 / t)"),
             (
-                "return Estimate(float(np.mean(values)), DEVIATIONS * spread + inexact)",
-                "return Estimate(float(np.mean(values)), inexact)",
+                "else DEVIATIONS * spread + inexact",
+                "else inexact",
             ),
             (
                 "Estimate(mean, mean.error_bound + blurred.upper)",
@@ -467,7 +467,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "ends = (0.0, 1.0) if span else (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))",
                 "ends = (0.0, 1.0) if span else (0.25, 0.75)",
             ),
-            ("stable = (low - high) / step > -2.0", "stable = (low - high) / step < -2.0"),
+            (
+                "stable = _cubic_slope(cells[cell], share) > -2.0",
+                "stable = _cubic_slope(cells[cell], share) < -2.0",
+            ),
             (
                 "h11 = share**2 * (share - 1.0)",
                 "h11 = share**2 * (1.0 - share)",
@@ -649,6 +652,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "spent += 0.0",
             ),
             ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
+            (
+                "return np.outer(moved, moved) + spread.T @ spread",
+                "return spread.T @ spread",
+            ),
         ],
     ),
     "evidence/predicted_strokes.py": (
@@ -978,8 +985,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_audit.py",
         [
             (
-                "float(-reset_turn.mean() / push_turn.mean())",
-                "float(reset_turn.mean() / push_turn.mean())",
+                "float(-reset_turn.mean() / mean)",
+                "float(reset_turn.mean() / mean)",
             ),
             ("self.worth >= LEAST_WORTH * len(self.theta)", "self.worth >= 0.0 * len(self.theta)"),
         ],
