@@ -419,13 +419,13 @@ def identify(
     searching = part_of(progress, 0.0, 5.0 / 3.0)
     validating = part_of(progress, 1.5, 2.5)
     searches = multi_start(problem, spread_starts(problem, starts, seed), law, known, searching)
-    problem, searches = _searched_closer(problem, searches, law, known)
+    problem, searches, closer_notes = _searched_closer(problem, searches, law, known)
     fit = searches.best
     errors = uncertainty(problem, fit, law)
     left_out, failures = cross_validate(problem, fit, fold, law, validating)
     validating(1.0)
     estimates = _estimates(problem, fit, errors, level)
-    notes += [*_notes(searches, errors, estimates, believed), *failures]
+    notes += [*closer_notes, *_notes(searches, errors, estimates, believed), *failures]
     notes += _stayed_notes(blocks, problem.values(fit.vector))
     table = kind_errors(problem, fit, left_out, _isotropic_residuals(problem))
     return Identification(
@@ -435,22 +435,32 @@ def identify(
 
 def _searched_closer(
     problem: JointProblem, searches: MultiStart, law: NoiseLaw, known: Values
-) -> tuple[JointProblem, MultiStart]:
+) -> tuple[JointProblem, MultiStart, list[str]]:
     """The problem so closely computed as the noise found asks for, and the searches with their best
-    one gone on in it.
+    one gone on in it; a note where the model has no answer so close.
     """
+    notes = []
+    try:
+        while not _is_close_enough(problem, searches.best):
+            closer = problem.computed_closer()
+            if closer.blocks == problem.blocks:
+                break
+            best = Search(closer, law, known).solve(searches.best.vector, unheard)
+            problem = closer
+            searches = replace(searches, best=best)
+    except NO_ANSWER as cause:
+        plain = tuple(replace(block, refined=()) for block in problem.blocks)
+        problem = replace(problem, blocks=plain)
+        notes.append(f"by how much strokes are off as they are computed is not known: {cause}")
+    return problem, searches, notes
+
+
+def _is_close_enough(problem: JointProblem, fit: Fit) -> bool:
+    """Whether predictions are off by less than the noise of each kind lets one see."""
     kinds = problem.kind_index
-    rows = np.bincount(kinds)
-    while True:
-        fit = searches.best
-        closer = problem.computed_closer()
-        squares = np.bincount(kinds, problem.numerical_errors(fit.vector) ** 2)
-        is_close = np.all(np.sqrt(squares / rows) <= _CLOSE_ENOUGH * fit.noise)
-        if is_close or closer.blocks == problem.blocks:
-            return problem, searches
-        problem = closer
-        again = Search(problem, law, known).solve(fit.vector, unheard)
-        searches = replace(searches, best=again)
+    squares = np.bincount(kinds, problem.numerical_errors(fit.vector) ** 2)
+    sizes = np.sqrt(squares / np.bincount(kinds))
+    return bool(np.all(sizes <= _CLOSE_ENOUGH * fit.noise))
 
 
 def _stayed_notes(blocks: Sequence[DataBlock], values: Values) -> list[str]:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cyclemap import Pose, SidePush, Slider
+from cyclemap import ConvergenceError, Pose, SidePush, Slider
 from cyclemap.evidence import (
     DataBlock,
     MeasuredDrag,
@@ -61,6 +61,22 @@ def test_an_error_of_the_computation_moves_the_estimate_within_its_interval() ->
     # A part of the rows keeps its own errors.
     half = told.subset(np.arange(12) < 6)
     assert np.allclose(half.numerical_errors({"pusher_friction": 0.3}), 0.01)
+
+
+def test_data_that_have_no_answer_so_closely_computed_are_identified_with_a_note() -> None:
+    """As before, but that nothing is known of the error of what is computed."""
+
+    def coarse(values: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        return values["pusher_friction"] - np.array([0.19, 0.2, 0.22]), np.ones((3, 1))
+
+    def unanswered(values: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        raise ConvergenceError("the motion has no answer")
+
+    plain = DataBlock("ratios", ("pusher_friction",), coarse, np.arange(3), "ratio")
+    before = identify([plain], ["pusher_friction"], starts=1)
+    after = identify([replace(plain, refined=(unanswered,))], ["pusher_friction"], starts=1)
+    assert after.estimates == before.estimates
+    assert sum("the motion has no answer" in note for note in after.notes) == 1
 
 
 def test_intervals_of_exact_pushes_and_drags_hold_the_truth() -> None:
