@@ -451,7 +451,7 @@ def push_line(portrait: Portrait) -> str:
 def accuracy_line(portrait: Portrait) -> str:
     """How the map was computed and how well."""
     error = _ONE_DIGIT.create_decimal(math.degrees(portrait.map.max_error))
-    return f"cycle map from {portrait.map.samples} computed cycles, error below {error:f}°"
+    return f"cycle map from {portrait.map.samples} computed cycles, estimated error {error:f}°"
 
 
 def angle(radians: float, decimals: int = 1) -> str:

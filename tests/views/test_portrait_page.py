@@ -194,7 +194,7 @@ def test_the_error_that_is_told_is_no_smaller_than_the_error() -> None:
     for degrees, told in ((1.4e-4, "0.0002"), (5.436e-5, "0.00006"), (0.03, "0.03")):
         known = SimpleNamespace(samples=99, max_error=math.radians(degrees))
         said = sentences.accuracy_line(SimpleNamespace(map=known))
-        assert said.endswith(f"error below {told}°")
+        assert said.endswith(f"estimated error {told}°")
 
 
 @pytest.mark.parametrize(
