@@ -35,7 +35,10 @@ def needed_modes(noise: Noise) -> int:
     beyond 2000.
     """
     if noise.tail(MAX_MODES) > NEGLIGIBLE:
-        raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
+        raise InvalidInput(
+            f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width (a wrapped normal "
+            "is resolved from 0.27 degrees on)"
+        )
     counts = range(1, MAX_MODES + 1)
     return counts[bisect_left(counts, True, key=lambda modes: noise.tail(modes) <= NEGLIGIBLE)]
 
