@@ -94,14 +94,15 @@ COMMANDS = {
 
 
 def asked_of_tables() -> list[tuple[Foreign, str]]:
-    """Tables and the commands that are asked of each: always identify, the others by turns, so that
-    each is asked of all ten writers.
+    """Tables and the commands that are asked of each, by turns, so that each is asked of all ten
+    writers.
     """
     asked = []
     for index, table in enumerate(thirty()):
         turn = index + index // 10
         for place, name in enumerate(COMMANDS):
-            if name == "identify" or (turn + place) % 2 == 0:
+            every = 3 if name == "identify" else 2
+            if (turn + place) % every == 0:
                 asked.append((table, name))
     return asked
 

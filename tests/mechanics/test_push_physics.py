@@ -26,7 +26,7 @@ from cyclemap.mechanics.engine.schema import RECORD
 pytestmark = pytest.mark.slow
 
 FINE = 2e-4
-SEEDS = tuple(range(24))
+SEEDS = tuple(range(12))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_forces_balance_the_ground_at_a_twist_that_the_rod_asks_and_stay_in_the_
         assert found.surface < 1e-11 and found.cone < 1e-11 and course.residual < 1e-11
         assert found.motion < 1e-6
         checked += np.isfinite(found.twists[:, 0]).sum()
-    assert checked > 5_000
+    assert checked > 2_500
 
 
 def test_the_object_moves_with_the_twists_that_balance_the_forces(runs):
@@ -84,7 +84,7 @@ def test_the_object_moves_with_the_twists_that_balance_the_forces(runs):
             worst.append(np.median(np.abs(off).max(axis=1)))
             compared += len(off)
     assert max(worst) < 1e-3 and np.median(worst) < 1e-5
-    assert compared > 4_000
+    assert compared > 2_000
 
 
 def test_the_contact_point_stays_on_the_outline_and_the_rod_at_its_radius(runs):

@@ -21,7 +21,7 @@ from tests.maps.known_maps import contraction, plateau
 
 TWO_PI = 2 * np.pi
 ITERATES = 200
-MOEBIUS, SINE, CONTRACTIONS, FOLDED, AT_ONCE = 1400, 3000, 1000, 100, 2250  # 10,000 together
+MOEBIUS, SINE, CONTRACTIONS, FOLDED, AT_ONCE = 500, 900, 400, 50, 1050  # 5,000 together
 
 
 def judged(maps, truths):
@@ -79,7 +79,7 @@ def test_moebius_maps_hold_the_closed_form():
     assert widths(found).max() < 2.01 / ITERATES
     assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
     assert np.median(widths(found)) < 5e-4
-    assert sum(one.locked is not None for one in found) > 300
+    assert sum(one.locked is not None for one in found) > 100
     assert all(one.locked is None or one.locked.denominator == 1 for one in found)
 
 
@@ -128,7 +128,7 @@ def test_sine_maps_agree_with_a_longer_independent_enclosure():
     assert np.median(high - low) < 0.3 * np.median(widths(found))
     assert widths(found).max() < 2.01 / ITERATES
     assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
-    assert sum(one.locked is not None for one in found) > 500
+    assert sum(one.locked is not None for one in found) > 150
 
 
 def random_contraction(rng):
@@ -158,8 +158,8 @@ def test_contractions_hold_their_plateau_of_the_devils_staircase():
         [contraction(slope, shift) for slope, shift, _ in drawn], [truth for *_, truth in drawn]
     )
     sure = [one for one, (*_, truth) in zip(found, drawn, strict=True) if truth[0] == truth[1]]
-    assert len(sure) > 500
-    assert sum(one.locked is not None for one in sure) > 250
+    assert len(sure) > 200
+    assert sum(one.locked is not None for one in sure) > 100
     assert np.quantile(widths(found), 0.9) < 0.04
     assert np.median(widths(found)) < 0.005
 
@@ -192,7 +192,7 @@ def test_many_at_once_hold_the_same_truths():
         assert (
             np.mean(found.upper - found.lower <= 2e-3) >= met
         )  # edges of plateaus are hard to tell
-        assert np.sum(found.period > 0) > 400
+        assert np.sum(found.period > 0) > 180
 
 
 def tent_interval(slope, shift, period):
