@@ -244,12 +244,10 @@ def run_tests(arguments: list[str]) -> int:
     if "--quick" in arguments:
         chosen += ["-m", "not slow"]
     rest = [argument for argument in arguments if argument != "--quick"]
-    # The tests of a module share what it prepares: one process runs them all.
-    codes.append(
-        call(
-            [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *chosen, *rest], cwd=ROOT
-        )
-    )
+    # The tests of a module share what it prepares: one process runs them all. In their own order
+    # the short ones of docstrings come last, so that no process waits long for another.
+    shared = ["-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder"]
+    codes.append(call([PYTHON, "-m", "pytest", *shared, *chosen, *rest], cwd=ROOT))
     return next((code for code in codes if code), 0)
 
 

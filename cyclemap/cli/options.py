@@ -345,7 +345,9 @@ def words_of(text: str) -> list[str]:
 
 
 # Of every command: it leaves words and progress unsaid.
-QUIET = click.Option(["--quiet"], is_flag=True, help="Say nothing but errors, warnings and the JSON asked for.")
+QUIET = click.Option(
+    ["--quiet"], is_flag=True, help="Say nothing but errors, warnings and the JSON asked for."
+)
 
 
 def is_quiet() -> bool:

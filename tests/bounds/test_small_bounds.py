@@ -17,7 +17,7 @@ def test_no_bound_is_below_the_error_on_random_lifts() -> None:
 @pytest.mark.slow
 def test_no_bound_is_below_the_error_on_random_families() -> None:
     """Of bifurcations, curves of them, and their points of codimension two."""
-    found = study_families(40, 5)
+    found = study_families(24, 5)
     assert found.broken == []
     assert found.judged["saddle-node"] >= 50 and found.judged["border-collision"] >= 20
     assert found.judged["curve of saddle-node"] >= 16 and found.judged["cusp"] >= 4

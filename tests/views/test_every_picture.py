@@ -15,7 +15,7 @@ import cyclemap as cm
 from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
 
-MATERIALS = ("plywood", "plywood-measured", "abs", "delrin", "pu")
+MATERIALS = ("plywood", "plywood-measured", "abs", "pu")
 # So noisy that no rest lasts for ages, whose length would take long to find.
 NOISY = ("--set", "noise_deg=6", "--cycles", "60")
 GRID = ("--tolerance-deg", "1", "--quantities", "fixed_points", "--workers", "1")
