@@ -385,6 +385,7 @@ class _CycleTurns:
 
     theta : (n,), orientations before the cycles, rad.
     elapsed : (n,), shares of the data made before; None where nothing wears.
+    nodes, accuracy : how many cycles are computed, and how closely, extents.
     """
 
     loop: CollectionLoop
