@@ -159,11 +159,11 @@ class Probe:
         for orbit in fixed_points(self.mimic.circle_map(_TOLERANCE)):
             if orbit.stable:
                 theta = orbit.points[0]
-                reach = self.turn_reach(theta) / (1.0 - orbit.multiplier)
+                reach = self._turn_reach(theta) / (1.0 - orbit.multiplier)
                 stable.append(Interval(theta, theta - reach, theta + reach))
         return tuple(stable)
 
-    def turn_reach(self, theta: float) -> float:
+    def _turn_reach(self, theta: float) -> float:
         """Half of the 95 % interval, rad, of the turn of a cycle from orientation `theta`, rad, on
         that ellipse.
         """
@@ -192,7 +192,7 @@ class Probe:
         """
         place = int(np.argmin(np.abs(self._turned)))
         turn = float(self._turned[place])
-        reach = self.turn_reach(float(_AROUND[::4][place]))
+        reach = self._turn_reach(float(_AROUND[::4][place]))
         return Interval(turn, turn - reach, turn + reach)
 
     @cached_property

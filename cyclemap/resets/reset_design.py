@@ -283,7 +283,7 @@ def design_reset(
     judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
     picks, binding = _closely_picked(pool, judge)
     rows, cycles = _assessed(judge, _roles(picks, given), report)
-    binding = tuple(_told_alike(limit, rows) for limit in binding)
+    binding = tuple(_as_its_row_says(limit, rows) for limit in binding)
     chosen = rows[0]
     own, turn = (cycles[strategy].refined(_REFINED)[0] for strategy in (OWN, chosen.strategy))
     simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
@@ -341,7 +341,7 @@ def _assessed(
     return _best_first(rows), cycles
 
 
-def _told_alike(limit: Limit, rows: Sequence[ResetRow]) -> Limit:
+def _as_its_row_says(limit: Limit, rows: Sequence[ResetRow]) -> Limit:
     """The limit with what the row of its reset tells, where there is one: the search is coarser."""
     for row in rows:
         if row.strategy == limit.strategy:

@@ -188,7 +188,7 @@ def test_slivers_in_two_corners_are_cut_off_alone():
     footprint = PressedFootprint(outline, plate, floor)
     for turn in np.linspace(2.25, 2.35, 5):
         found = contact_integrals(footprint, turn)
-        np.testing.assert_allclose(found, (1.0, 0.0, 0.0), rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(found, (1.0, 0.0, 0.0), rtol=0.0, atol=1e-11)
 
 
 THETA = np.linspace(0.0, 6.0, 7)

@@ -255,20 +255,20 @@ def _stroke_block(
 
         return function
 
-    everything = np.arange(count * len(strokes))
+    rows = np.arange(count * len(strokes))
     turned = [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
     groups = np.repeat([stroke.contact for stroke in strokes], count)
     return DataBlock(
         name,
         parameters,
-        part(everything),
+        part(rows),
         groups,
         np.tile(kinds, len(strokes)),
         own_parameters,
         part,
         np.array(turned),
-        stayed=lambda values: int(np.sum(misfit(everything[::count] // count, values)[2])),
-        refined=tuple(part(everything, accuracy) for accuracy in _REFINED),
+        stayed=lambda values: int(np.sum(misfit(np.arange(len(strokes)), values)[2])),
+        refined=tuple(part(rows, accuracy) for accuracy in _REFINED),
     )
 
 

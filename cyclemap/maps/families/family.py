@@ -22,9 +22,8 @@ from cyclemap.maps.lifts.lift_checks import carried_round
 from cyclemap.progress import Progress, unheard
 
 ParametricFunction = Callable[..., Array]
-_ANGLES = read_only(
-    np.linspace(0.0, TWO_PI, 65)
-)  # where a lift of unknown kind is looked at for folds
+# Where a lift of unknown kind is looked at for folds.
+_ANGLES = read_only(np.linspace(0.0, TWO_PI, 65))
 _FALL = 1e-12  # radians: a smaller descent is rounding
 
 

@@ -258,7 +258,7 @@ def _refuse_other_slope(lift: Lift, points: Array, slopes: Array) -> None:
     measured = (above - below) / (2.0 * _CLOSE)
     unsure = EPS * (np.abs(points) + np.abs(below) + np.abs(above)) / _CLOSE
     off = np.abs(slopes - measured)
-    wrong = off > _OTHER_SLOPE * (1.0 + np.abs(measured)) + 4.0 * unsure * (1.0 + np.abs(measured))
+    wrong = off > (_OTHER_SLOPE + 4.0 * unsure) * (1.0 + np.abs(measured))
     if 2 * np.count_nonzero(wrong) > points.size:
         worst = int(np.argmax(np.where(wrong, off, 0.0)))
         raise InvalidInput(

@@ -350,24 +350,16 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
     theta = start
     for _ in range(_NEWTON):
         visited = orbit_angles(circle_map, theta, period + 1)
-        slopes = circle_map.derivative(visited[:-1])
-        multiplier = float(np.prod(slopes))
+        multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
         if abs(multiplier) >= 1.0:
             return None
         step = float(shorter_way(visited[-1] - theta)) / (1.0 - multiplier)
         theta += step
-        moved = 0.0
-        for slope, rounded in zip(slopes, _rounding(circle_map, visited[:-1]), strict=True):
-            moved = float(np.abs(slope) * moved + rounded)
-        if abs(step) <= moved / (1.0 - abs(multiplier)):
+        moved, _ = _moved_along(circle_map, visited[:-1], 0.0)
+        if abs(step) <= float(moved[-1]) / (1.0 - abs(multiplier)):
             near = abs(theta - start) < _NEAR
             return orbit_angles(circle_map, theta, period) if near else None
     return None
-
-
-def _rounding(circle_map: CircleMap, theta: Array) -> Array:
-    """Of the images of the angles."""
-    return LIFT * (TWO_PI + np.abs(circle_map(theta)))
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
@@ -388,7 +380,8 @@ def _moved_along(circle_map: CircleMap, points: Array, first: float) -> tuple[Ar
     """
     moved = [first]
     steepest = 1.0
-    for theta, rounded in zip(points, _rounding(circle_map, points), strict=True):
+    rounding = LIFT * (TWO_PI + np.abs(circle_map(points)))
+    for theta, rounded in zip(points, rounding, strict=True):
         slope, error = slope_and_error_beside(circle_map, np.array(theta), moved[-1])
         steepness = float(np.abs(slope) + error)
         moved.append(min(steepness * moved[-1] + float(rounded), np.pi))
