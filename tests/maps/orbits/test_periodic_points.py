@@ -218,6 +218,7 @@ def test_degenerate_tangencies_are_one_point_of_the_documented_kind(centre):
         (-1.0, -0.5, "stable"),
         (-1.0, -1.5, "unstable"),
         (-1.0, 0.5, "stable"),
+        (-3.0, 0.5, "stable"),
     ],
 )
 def test_on_a_kink_the_side_decides_on_which_orbits_are_or_both_where_they_change_it(
