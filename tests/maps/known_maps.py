@@ -1,9 +1,12 @@
-"""Maps whose orbits, rotation and passages are known, for all tests of the room."""
+"""Maps whose orbits, rotation and passages are known, and how numbers are compared, for all tests
+of the room.
+"""
 
 from math import ceil, floor
 
 import numpy as np
 
+from cyclemap.arrays import shorter_way
 from cyclemap.maps import CircleMap
 
 TWO_PI = 2 * np.pi
@@ -17,21 +20,39 @@ KNOWN_TURNS = [
 ]
 
 
+def agree(found, truth, to):
+    """Assert that numbers differ by no more than ``to``."""
+    np.testing.assert_allclose(found, truth, rtol=0, atol=to)
+
+
+def apart(first, second):
+    """How far angles lie from each other round the circle, radians."""
+    return np.abs(shorter_way(np.subtract(first, second)))
+
+
+def lines(*rows, degree=1, slopes=True):
+    """The lift of straight branches, each (start, end, value at θ = 0, slope)."""
+    branches = [
+        (a, b, lambda x, y=y, s=s: y + s * x, (lambda x, s=s: s + 0 * x) if slopes else None)
+        for a, b, y, s in rows
+    ]
+    return CircleMap.from_branches(branches, degree=degree)
+
+
 def logistic(r):
     """x → r x(1 - x) with x in [0, 1) in turns: a lift of degree 0 with a kink at 0."""
+
+    def turns(theta):
+        return np.mod(theta, TWO_PI) / TWO_PI
+
     return CircleMap(
-        lambda t: TWO_PI * r * (np.mod(t, TWO_PI) / TWO_PI) * (1 - np.mod(t, TWO_PI) / TWO_PI),
-        lambda t: r * (1 - 2 * np.mod(t, TWO_PI) / TWO_PI),
-        [0.0],
-        degree=0,
+        lambda x: TWO_PI * r * turns(x) * (1 - turns(x)), lambda x: r * (1 - 2 * turns(x)), [0.0], 0
     )
 
 
 def contraction(slope, shift):
     """x → λx + δ mod 1 as a lift with an upward jump at the integers."""
-    return CircleMap.from_branches(
-        [(0.0, TWO_PI, lambda x: slope * x + TWO_PI * shift, lambda x: np.full_like(x, slope))]
-    )
+    return lines((0.0, TWO_PI, TWO_PI * shift, slope))
 
 
 def plateau(slope, ratio):

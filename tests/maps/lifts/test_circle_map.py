@@ -5,12 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, inverse
-from tests.maps.known_maps import wavy, wavy_slope
+from tests.maps.known_maps import TWO_PI, agree, wavy, wavy_slope
 from tests.refusals import refused
 
-TWO_PI = 2 * np.pi
 GRID = np.linspace(-15.0, 15.0, 3001)
 TEXTBOOK = {
     "rigid": CircleMap.rigid(0.3),
@@ -28,14 +26,10 @@ def sampled(count=300, start=0.0, slopes=True):
 @pytest.mark.parametrize("exact", TEXTBOOK.values(), ids=TEXTBOOK)
 def test_textbook_lifts_climb_by_a_turn_and_agree_with_their_scalar_forms_and_differences(exact):
     np.testing.assert_allclose(exact(GRID + TWO_PI) - exact(GRID), TWO_PI, rtol=1e-13)
-    np.testing.assert_allclose(exact.turn(GRID), exact(GRID) - GRID, rtol=0, atol=0)
-    np.testing.assert_allclose(
-        [exact.scalar()(x) for x in GRID[::50]], exact(GRID[::50]), rtol=0, atol=1e-14
-    )
+    np.testing.assert_array_equal(exact.turn(GRID), exact(GRID) - GRID)
+    agree([exact.scalar()(x) for x in GRID[::50]], exact(GRID[::50]), 1e-14)
     x = GRID[np.abs(GRID) < TWO_PI]
-    np.testing.assert_allclose(
-        CircleMap(exact).derivative(x), exact.derivative(x), rtol=0, atol=2e-10
-    )
+    agree(CircleMap(exact).derivative(x), exact.derivative(x), 2e-10)
 
 
 @pytest.mark.parametrize("start", [0.0, 1.3, -9.0, TWO_PI])
@@ -55,80 +49,69 @@ def test_slopes_left_out_still_interpolate_and_keep_monotone_data_monotone():
     assert np.all(np.diff(steps(np.linspace(0, TWO_PI, 4001))) >= -1e-15)
 
 
-def test_a_repeated_angle_is_a_jump_kept_on_both_sides():
-    x = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 5.0])
+def test_a_repeated_angle_is_a_jump_kept_on_both_sides_or_a_kink():
     y = np.array([0.5, 1.2, 1.8, 2.6, 3.4, 5.2])
-    made = CircleMap.from_samples(x, y, np.full(6, 0.7))
+    made = CircleMap.from_samples([0.0, 1.0, 2.0, 2.0, 3.0, 5.0], y, np.full(6, 0.7))
     at, left, right = made.jumps()
-    np.testing.assert_allclose(at, [2.0])
-    np.testing.assert_allclose([left[0], right[0], made(2.0)], [1.8, 2.6, 2.6], atol=1e-13)
-    np.testing.assert_allclose(made.left(2.0 - 2 * TWO_PI), 1.8 - 2 * TWO_PI, atol=1e-13)
+    agree([at[0], left[0], right[0], made(2.0)], [2.0, 1.8, 2.6, 2.6], 1e-13)
+    agree(made.left(2.0 - 2 * TWO_PI), 1.8 - 2 * TWO_PI, 1e-13)
     assert made.samples == 6
-
-
-def test_a_repeated_angle_with_equal_values_is_a_kink():
     x = np.array([0.0, 2.0, 2.0, 4.0])
-    made = CircleMap.from_samples(x, x, [1.0, 0.5, 1.5, 1.0])
-    assert made.breaks.tolist() == [2.0]
-    assert made.jumps()[0].size == 0
-    np.testing.assert_allclose(
-        [made.derivative(2.0, -1), made.derivative(2.0, 1)], [0.5, 1.5], atol=1e-12
-    )
+    kinked = CircleMap.from_samples(x, x, [1.0, 0.5, 1.5, 1.0])
+    assert kinked.breaks.tolist() == [2.0] and kinked.jumps()[0].size == 0
+    agree([kinked.derivative(2.0, -1), kinked.derivative(2.0, 1)], [0.5, 1.5], 1e-12)
 
 
 @pytest.mark.parametrize("start", [0.0, 0.7])
 def test_an_end_point_that_does_not_close_makes_a_break_at_the_start(start):
     x = start + np.linspace(0, TWO_PI, 20)
     made = CircleMap.from_samples(x, 0.5 * x + 1, np.full(20, 0.5))
-    np.testing.assert_allclose(made.breaks, [start])
-    np.testing.assert_allclose(made.right(start) - made.left(start), 0.5 * TWO_PI, atol=1e-12)
+    agree(made.breaks, [start], 1e-14)
+    agree(made.right(start) - made.left(start), 0.5 * TWO_PI, 1e-12)
+    repeated = np.append(x[0], x[:-1])
+    values = np.append(0.5 * x[-1] + 1 - TWO_PI, 0.5 * x[:-1] + 1)
+    agree(CircleMap.from_samples(repeated, values, np.full(20, 0.5))(GRID), made(GRID), 1e-12)
     x = np.linspace(0, TWO_PI, 80)  # one that closes makes none
     assert CircleMap.from_samples(x, wavy(x), wavy_slope(x)).breaks.size == 0
-    x = start + np.linspace(0, TWO_PI, 20)
-    repeated = np.append(x[0], x[:-1])
-    values = np.append(0.5 * (start + TWO_PI) + 1 - TWO_PI, 0.5 * x[:-1] + 1)
-    same = CircleMap.from_samples(repeated, values, np.full(20, 0.5))
-    np.testing.assert_allclose(same(GRID), made(GRID), atol=1e-12)
 
 
 def test_shape_preserving_branches_run_through_the_end_point():
     x = np.concatenate([np.linspace(0.2, 3.0, 60), np.linspace(3.0, 0.1 + TWO_PI, 60)])
-    y = np.where(
-        np.arange(120) < 60, wavy(x), wavy(x) + 0.5 * (x - 0.2 - TWO_PI) * (x < 0.2 + TWO_PI)
-    )
-    made = CircleMap.from_samples(x, y)
+    ahead = 0.5 * (x - 0.2 - TWO_PI) * (x < 0.2 + TWO_PI) * (np.arange(120) >= 60)
+    made = CircleMap.from_samples(x, wavy(x) + ahead)
     assert made.breaks.tolist() == [3.0]
-    step = 1e-7
-    both = made.derivative(np.array([0.2 - step, 0.2 + step]))
-    assert abs(both[1] - both[0]) < 1e-4
+    assert abs(np.diff(made.derivative([0.2 - 1e-7, 0.2 + 1e-7]))[0]) < 1e-4
 
 
 def test_differences_never_reach_across_a_break():
+    upper = (TWO_PI - 1.0) / (TWO_PI - 2.0)
+
     def kinked(x):
         base = np.mod(x, TWO_PI)
-        return (
-            x
-            - base
-            + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * (TWO_PI - 1.0) / (TWO_PI - 2.0))
-        )
+        return x - base + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * upper)
 
     made = CircleMap(kinked, breaks=[0.0, 2.0])
     x = np.array([0.0, 1e-9, 1e-4, 1.0, 2.0 - 1e-4, 2.0 - 1e-9, 2.0, 2.0 + 1e-4, 6.0])
-    upper = (TWO_PI - 1.0) / (TWO_PI - 2.0)
-    np.testing.assert_allclose(made.derivative(x), [0.5] * 6 + [upper] * 3, atol=1e-9)
+    agree(made.derivative(x), [0.5] * 6 + [upper] * 3, 1e-9)
+
+
+def jumping(x):
+    return TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)
+
+
+def identity(x):
+    return x
 
 
 NOT_A_LIFT = {
     "is degree 1": lambda: CircleMap(lambda x: x + 0.1 * np.sin(x), degree=2),
     "not wrapped": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI)),
-    "jumps by 6.28": lambda: CircleMap(
-        lambda x: TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)
-    ),
+    "jumps by 6.28": lambda: CircleMap(jumping),
     "jumps by 6.28.* none of its breaks": lambda: CircleMap(
         lambda x: np.mod(x + 1, TWO_PI), degree=0
     ),
     "nan at": lambda: CircleMap(lambda x: np.where(np.cos(x) > 0.9, np.nan, x)),
-    "inf at": lambda: CircleMap(lambda x: x, lambda x: np.where(np.cos(x) > 0.9, np.inf, 1.0)),
+    "inf at": lambda: CircleMap(identity, lambda x: np.where(np.cos(x) > 0.9, np.inf, 1.0)),
     "complex128": lambda: CircleMap(lambda x: x + 0j),
     "int64": lambda: CircleMap(lambda x: np.floor(x).astype(np.int64)),
     "float32": lambda: CircleMap(lambda x: x.astype(np.float32)),
@@ -142,16 +125,16 @@ NOT_A_LIFT = {
     "derivative gives .* not that of this lift": lambda: CircleMap(
         lambda x: x + 0.3 * np.sin(x), lambda x: 1 - 0.3 * np.cos(x)
     ),
-    "derivative turns shape": lambda: CircleMap(lambda x: x, lambda x: np.ones(3)),
+    "derivative turns shape": lambda: CircleMap(identity, lambda x: np.ones(3)),
     "scalar form differs from the lift by": lambda: CircleMap.with_scalar(
-        lambda x: x, None, lambda x: x + 1e-3
+        identity, None, lambda x: x + 1e-3
     ),
-    "scalar form fails": lambda: CircleMap.with_scalar(lambda x: x, None, lambda x: "x"),
-    "degree must be": lambda: CircleMap(lambda x: x, degree=0.5),
+    "scalar form fails": lambda: CircleMap.with_scalar(identity, None, lambda x: "x"),
+    "degree must be": lambda: CircleMap(identity, degree=0.5),
     "it must be finite everywhere": lambda: CircleMap(lambda x: x * np.nan),
     "must be callables": lambda: CircleMap(3.0),
-    "breaks must be finite": lambda: CircleMap(lambda x: x, breaks=[np.nan]),
-    "max_error must not be negative": lambda: CircleMap(lambda x: x, max_error=-1.0),
+    "breaks must be finite": lambda: CircleMap(identity, breaks=[np.nan]),
+    "max_error must not be negative": lambda: CircleMap(identity, max_error=-1.0),
     "omega must be a finite": lambda: CircleMap.arnold(np.nan, 0.1),
     "a is 1": lambda: CircleMap.moebius(1.0, 0.1),
     "a is -0.5.*blaschke": lambda: CircleMap.moebius(-0.5, 0.0),
@@ -177,28 +160,21 @@ def test_the_refusal_names_what_is_wrong_with_the_lift(message):
     refused(NOT_A_LIFT[message], told=message)
 
 
-def test_a_lift_that_writes_to_its_argument_leaves_later_maps_as_they_are():
-    for breaks in ([], [0.5]):
-        with pytest.raises(InvalidInput, match="leave its argument"):
-            CircleMap(lambda x: np.add(x, 1.0, out=x), breaks=breaks)
+@pytest.mark.parametrize("breaks", [[], [0.5]])
+def test_a_lift_that_writes_to_its_argument_leaves_later_maps_as_they_are(breaks):
+    refused(CircleMap, lambda x: np.add(x, 1.0, out=x), breaks=breaks, told="leave its argument")
     assert float(CircleMap(lambda x: x + np.sin(x))(0.5 * np.pi)) == 0.5 * np.pi + 1.0
 
 
 def test_a_jump_of_many_radians_is_taken_where_it_is_a_break_and_steep_lifts_are_no_jumps():
-    def jumping(x):
-        return TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)
-
     assert CircleMap(jumping, breaks=[0.0, TWO_PI - 2]).jumps()[0].size == 2
-    steep = CircleMap.moebius(1 - 1e-9, 0.3)
-    assert steep.derivative(0.0) > 1e9
-    assert (
-        CircleMap(lambda x: 2.0**30 * x, lambda x: np.full_like(x, 2.0**30), degree=2**30).degree
-        == 2**30
-    )
+    assert CircleMap.moebius(1 - 1e-9, 0.3).derivative(0.0) > 1e9
+    steep = 2.0**30
+    assert CircleMap(lambda x: steep * x, lambda x: steep + 0 * x, degree=2**30).degree == 2**30
 
 
 def test_a_tiny_negative_break_is_a_break_at_zero():
-    assert CircleMap(lambda x: x, breaks=[-1e-17, TWO_PI, 2 * TWO_PI]).breaks.tolist() == [0.0]
+    assert CircleMap(identity, breaks=[-1e-17, TWO_PI, 2 * TWO_PI]).breaks.tolist() == [0.0]
 
 
 def test_a_map_never_changes():
@@ -209,35 +185,27 @@ def test_a_map_never_changes():
         made.pieces.knots[0] = 1.0
 
 
-def random_zeros(seed, count, reach=0.95):
-    rng = np.random.default_rng(seed)
-    return rng.uniform(0, reach, count) * np.exp(1j * rng.uniform(0, TWO_PI, count))
-
-
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_blaschke_product_is_the_product_of_its_factors_and_its_slope_the_sum_of_poisson_kernels(
     seed,
 ):
-    zeros, omega = random_zeros(seed, seed % 5 + 1), 0.1 * seed
+    rng, omega = np.random.default_rng(seed), 0.1 * seed
+    zeros = rng.uniform(0, 0.95, seed + 1) * np.exp(1j * rng.uniform(0, TWO_PI, seed + 1))
     made = CircleMap.blaschke(zeros, omega)
     z = np.exp(1j * GRID)
-    product = np.exp(2j * np.pi * omega) * np.prod(
-        [(z - a) / (1 - np.conj(a) * z) for a in zeros], axis=0
-    )
-    np.testing.assert_allclose(np.exp(1j * made(GRID)), product, rtol=0, atol=3e-13)
+    factors = [(z - a) / (1 - np.conj(a) * z) for a in zeros]
+    turned = np.exp(2j * np.pi * omega) * np.prod(factors, axis=0)
+    agree(np.exp(1j * made(GRID)), turned, 3e-13)
     kernels = np.sum([(1 - abs(a) ** 2) / np.abs(z - a) ** 2 for a in zeros], axis=0)
     np.testing.assert_allclose(made.derivative(GRID), kernels, rtol=3e-13)
     np.testing.assert_allclose(made(GRID + TWO_PI) - made(GRID), TWO_PI * zeros.size, rtol=1e-12)
     assert made.degree == zeros.size
-    one = made.scalar()
-    np.testing.assert_allclose([one(x) for x in GRID[::50]], made(GRID[::50]), rtol=0, atol=3e-14)
+    agree([made.scalar()(x) for x in GRID[::50]], made(GRID[::50]), 3e-14)
 
 
 def test_one_real_zero_is_the_moebius_map_and_zeros_at_the_origin_multiply_the_angle_exactly():
-    for a, omega in [(0.0, 0.3), (0.5, 0.1), (0.95, 0.77)]:
-        two = CircleMap.blaschke([a], omega), CircleMap.moebius(a, omega)
-        np.testing.assert_allclose(two[0](GRID), two[1](GRID), rtol=0, atol=4e-15)
-        np.testing.assert_allclose(two[0].derivative(GRID), two[1].derivative(GRID), rtol=1e-13)
+    for a, omega in [(0.0, 0.3), (0.95, 0.77)]:
+        agree(CircleMap.blaschke([a], omega)(GRID), CircleMap.moebius(a, omega)(GRID), 4e-15)
     assert np.array_equal(CircleMap.blaschke([0, 0])(GRID), 2 * GRID)
     assert np.array_equal(CircleMap.blaschke([0, 0, 0j]).derivative(GRID), np.full(GRID.size, 3.0))
 
@@ -252,18 +220,17 @@ def test_a_zero_close_to_the_circle_costs_no_digits():
     assert made.derivative(0.0) == (1 + a) / (1 - a)
 
 
-@pytest.mark.parametrize("step", [1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("step", [1e-9, 1e-3])
 def test_a_jump_however_small_is_one_and_one_back_leaves_no_inverse(step):
-    def lift(x, jump):
-        return x + 0.3 + jump * (np.mod(x, TWO_PI) >= 3.0)
-
-    at, left, right = CircleMap(lambda x: lift(x, step), breaks=[0.0, 3.0]).jumps()
-    np.testing.assert_allclose(at, [0.0, 3.0])
-    np.testing.assert_allclose(right - left, [-step, step], rtol=0, atol=1e-13)
-    # Up at 3 it jumps back at 0, and the other way round.
+    """Up at 3 it jumps back at 0, and the other way round."""
     for jump in (step, -step):
-        with pytest.raises(InvalidInput, match="jumps back"):
-            inverse(CircleMap(lambda x, jump=jump: lift(x, jump), breaks=[0.0, 3.0]))
+        stepped = CircleMap(
+            lambda x, by=jump: x + 0.3 + by * (np.mod(x, TWO_PI) >= 3.0), breaks=[0.0, 3.0]
+        )
+        at, left, right = stepped.jumps()
+        agree(at, [0.0, 3.0], 0.0)
+        agree(right - left, [-jump, jump], 1e-13)
+        refused(inverse, stepped, told="jumps back")
 
 
 def test_a_given_derivative_is_off_by_rounding_alone_and_that_is_stated():

@@ -5,9 +5,7 @@ import pytest
 
 from cyclemap.maps import CircleMap, fixed_points, is_nondecreasing
 from cyclemap.maps.lifts.scan import bracketed_root, iterate, monotone_cells, preimages
-from tests.maps.known_maps import bumped
-
-TWO_PI = 2 * np.pi
+from tests.maps.known_maps import TWO_PI, agree, bumped
 
 
 def test_roots_in_many_brackets_are_found_to_rounding_and_few_evaluations():
@@ -62,13 +60,11 @@ def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
     tripling = CircleMap(lambda x: 3 * x, lambda x: 3 + 0 * x, [0.0], degree=3)
     for n in (1, 2, 4, 7):
         cells, count = monotone_cells(tripling, n, 0.0), 3 ** (n - 1)
-        np.testing.assert_allclose(
-            cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12
-        )
+        agree(cells.start[cells.cut], TWO_PI * np.arange(count) / count, 3e-12)
 
 
-@pytest.mark.parametrize("width", [6e-4, 3e-4, 1.2e-4, 6e-5])
-@pytest.mark.parametrize("K", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("width", [6e-4, 6e-5])
+@pytest.mark.parametrize("K", [0.0, 0.9])
 def test_bumps_a_tenth_of_a_milliradian_wide_are_seen_wherever_they_lie(width, K):
     """One that just folds the map makes it fall; one that bends it back over the diagonal adds two
     fixed points.
