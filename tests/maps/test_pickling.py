@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cyclemap import maps
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedNormal
+from tests.refusals import refused
 
 ANGLES = np.linspace(-7.0, 9.0, 101)
 SINE, FOLDED = CircleMap.arnold(0.1, 0.9), CircleMap.arnold(0.3, 3.0)
@@ -49,11 +49,8 @@ def test_a_map_comes_back_the_same(name):
     np.testing.assert_array_equal(back.derivative(ANGLES), given.derivative(ANGLES))
     np.testing.assert_array_equal(back.breaks, given.breaks)
     assert back.scalar()(1.5) == given.scalar()(1.5)
-    assert (back.degree, back.max_error, back.samples) == (
-        given.degree,
-        given.max_error,
-        given.samples,
-    )
+    for name in ("degree", "max_error", "samples"):
+        assert getattr(back, name) == getattr(given, name)
     assert (back.pieces is None) == (given.pieces is None)
     assert copy.copy(given) is given and copy.deepcopy(given) is given
 
@@ -85,18 +82,15 @@ def test_results_pickle_too(name):
 def test_an_operator_keeps_what_it_has_worked_out():
     operator = maps.transfer_operator(SINE, WrappedNormal(0.3))
     gap = operator.spectral_gap
-    back = pickle.loads(pickle.dumps(operator))
-    assert back.spectral_gap == gap and back.spectral_gap.error_bound == gap.error_bound
-    assert back.rotation_number == operator.rotation_number
+    back = pickle.loads(pickle.dumps(operator)).spectral_gap
+    assert (back, back.error_bound) == (gap, gap.error_bound)
 
 
 def test_a_lambda_is_refused_by_name():
-    with pytest.raises(
-        InvalidInput, match=r"cannot be pickled, as <function .*lambda.* def at the top of a module"
-    ):
-        pickle.dumps(CircleMap(lambda x: x + 0.1))
-    with pytest.raises(InvalidInput, match="cannot be pickled"):
-        pickle.dumps(maps.compose(SINE, CircleMap(lambda x: x + 0.1)))
+    bare = CircleMap(lambda x: x + 0.1)
+    told = r"cannot be pickled, as <function .*lambda.* def at the top of a module"
+    for circle_map in (bare, maps.compose(SINE, bare)):
+        refused(pickle.dumps, circle_map, told=told)
 
 
 def test_a_map_keeps_its_breaks_when_the_array_that_gave_them_changes():
