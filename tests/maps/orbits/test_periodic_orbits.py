@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from cyclemap.arrays import shorter_way
 from cyclemap.maps import (
     CircleMap,
     conjugate,
@@ -15,9 +14,7 @@ from cyclemap.maps import (
     periodic_orbits,
     shifted,
 )
-from tests.maps.known_maps import contraction, plateau
-
-TWO_PI = 2 * np.pi
+from tests.maps.known_maps import TWO_PI, agree, apart, contraction, plateau
 
 
 def test_points_lie_on_their_orbit_in_order_of_visit():
@@ -26,30 +23,24 @@ def test_points_lie_on_their_orbit_in_order_of_visit():
     lower = sum(d * len(periodic_orbits(folded, d)) for d in (1, 2, 3))
     assert len(orbits) == (4 + 12 + 36 + 16 - lower) // 6
     for orbit in orbits:
-        gap = np.mod(folded(orbit.points) - np.roll(orbit.points, -1) + np.pi, TWO_PI) - np.pi
-        assert (
-            np.max(np.abs(gap))
-            <= orbit.error_bound * np.max(np.abs(folded.derivative(orbit.points))) + 1e-13
-        )
+        gap = apart(folded(orbit.points), np.roll(orbit.points, -1))
+        steepest = np.max(np.abs(folded.derivative(orbit.points)))
+        assert np.max(gap) <= orbit.error_bound * steepest + 1e-13
         assert orbit.points[0] == np.min(orbit.points)
         assert len(np.unique(np.round(orbit.points, 9))) == 6
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=12, deadline=None, derandomize=True)
 @given(st.floats(0.0, 6.28), st.floats(0.05, 0.95), st.floats(0.3, 2.9))
 def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omega, strength):
     sine = CircleMap.arnold(omega, strength)
     for period in (1, 2):
         plain, moved = (
-            periodic_orbits(sine, period),
-            periodic_orbits(conjugate(sine, angle), period),
+            sorted(orbit.multiplier for orbit in periodic_orbits(made, period))
+            for made in (sine, conjugate(sine, angle))
         )
-        assert len(plain) == len(moved)
-        expected = sorted(orbit.multiplier for orbit in plain)
-        np.testing.assert_allclose(
-            sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6
-        )
+        np.testing.assert_allclose(moved, plain, rtol=1e-6, atol=1e-6)
 
 
 @pytest.mark.parametrize("ratio", [Fraction(1, 2), Fraction(1, 3), Fraction(2, 5)])
@@ -61,7 +52,7 @@ def test_at_either_edge_of_a_plateau_one_orbit_runs_into_the_jump(ratio):
         (orbit,) = periodic_orbits(contraction(0.6, float(edge)), ratio.denominator)
         assert (orbit.kind, orbit.winding) == ("border-collision", ratio.numerator)
         assert orbit.points.size == ratio.denominator
-        assert np.min(np.abs(shorter_way(orbit.points))) < 1e-12
+        assert np.min(apart(orbit.points, 0.0)) < 1e-12
 
 
 @pytest.mark.slow
@@ -98,28 +89,12 @@ def test_a_multiplier_that_is_not_known_to_differ_from_one_is_neutral():
 
 def test_windings_shift_with_the_lift():
     for turns in (-2, 0, 3):
-        for made in (
-            CircleMap.arnold(0.1 + turns, 0.9),
-            shifted(CircleMap.arnold(0.1, 0.9), turns),
-        ):
+        raised = shifted(CircleMap.arnold(0.1, 0.9), turns)
+        for made in (CircleMap.arnold(0.1 + turns, 0.9), raised):
             assert [orbit.winding for orbit in fixed_points(made)] == [turns, turns]
-    many = fixed_points(CircleMap.arnold(0.0, 7.0))
-    assert sorted({orbit.winding for orbit in many}) == [-1, 0, 1]
-    assert len(many) == 6
-    assert [o.winding for o in periodic_orbits(CircleMap.arnold(0.0, 7.0), 1, winding=1)] == [1, 1]
-
-
-def test_a_fixed_point_on_a_kink_has_two_multipliers():
-    kink = CircleMap.from_samples(
-        [0, 1, 1, 3, 5, 6], [0.5, 1, 1, 2.6, 4.5, 6.4], [0.5, 0.5, 0.8, 0.8, 0.9, 1.0]
-    )
-    on_kink = fixed_points(kink)[0]
-    assert abs(on_kink.points[0] - 1) < 1e-12
-    np.testing.assert_allclose(
-        [on_kink.left_multiplier, on_kink.multiplier], [0.5, 0.8], atol=1e-12
-    )
-    assert on_kink.stable
-    assert crossings_by_jump(kink) == []
+    many = CircleMap.arnold(0.0, 7.0)
+    assert sorted(orbit.winding for orbit in fixed_points(many)) == [-1, -1, 0, 0, 1, 1]
+    assert [orbit.winding for orbit in periodic_orbits(many, 1, winding=1)] == [1, 1]
 
 
 def test_a_touch_at_a_kink_is_one_saddle_node():
@@ -134,7 +109,7 @@ def test_a_touch_at_a_kink_is_one_saddle_node():
 def test_a_jump_across_the_diagonal_is_a_crossing_and_no_fixed_point():
     gap = contraction(0.6, 1.1)
     (stable,) = fixed_points(gap)
-    np.testing.assert_allclose(stable.points, [0.25 * TWO_PI])
+    agree(stable.points, [0.25 * TWO_PI], 1e-12)
     assert (stable.winding, stable.kind) == (1, "stable")
     (crossing,) = crossings_by_jump(gap)
     assert (crossing.theta, crossing.winding, crossing.attracting) == (0.0, 1, False)

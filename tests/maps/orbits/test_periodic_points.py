@@ -2,47 +2,51 @@
 that hold.
 """
 
+from collections import Counter
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, periodic_points
-from tests.maps.known_maps import DOUBLING, contraction, logistic
-
-TWO_PI = 2 * np.pi
+from cyclemap.maps import (
+    CircleMap,
+    crossings_by_jump,
+    fixed_points,
+    periodic_orbits,
+    periodic_points,
+)
+from tests.maps.known_maps import DOUBLING, TWO_PI, agree, apart, contraction, lines, logistic
+from tests.refusals import refused
 
 
 def counts(found):
-    return {int(w): int(np.sum(found.winding == w)) for w in np.unique(found.winding)}
+    return Counter(found.winding.tolist())
 
 
-def sign_changes(circle_map, n, size=300_003):
+def sign_changes(circle_map, n, size=100_003):
     """Crossings of Fⁿ - id with whole turns seen on a huge grid: each sign change is one."""
     theta = TWO_PI * np.arange(size + 1) / size - 1e-7
     image = theta
     for _ in range(n):
         image = circle_map(image)
     turns = np.floor((image - theta) / TWO_PI).astype(int)
-    found = {}
+    found = Counter()
     for a, b in pairwise(turns.tolist()):
-        for w in range(min(a, b) + 1, max(a, b) + 1):
-            found[w] = found.get(w, 0) + 1
+        found.update(range(min(a, b) + 1, max(a, b) + 1))
     return found
 
 
 def test_the_doubling_map_has_the_exact_4095_points():
     found = periodic_points(DOUBLING, 12)
-    assert found.count == 4095
-    np.testing.assert_allclose(found.theta, TWO_PI * np.arange(4095) / 4095, atol=4e-15)
+    off = np.abs(found.theta - TWO_PI * np.arange(4095) / 4095)
+    assert np.all(off <= found.error_bound) and np.max(off) < 4e-15
     np.testing.assert_array_equal(found.winding, np.arange(4095))
     np.testing.assert_array_equal(found.image, 2 * np.arange(4095) % 4095)
     np.testing.assert_array_equal(found.multiplier, 4096)
     # Möbius inversion: Σ over d | n of (points of prime period d) = 2ⁿ - 1.
-    by_period = {d: int(np.sum(found.prime_period == d)) for d in (1, 2, 3, 4, 6, 12)}
+    by_period = Counter(found.prime_period.tolist())
     assert by_period == {1: 1, 2: 2, 3: 6, 4: 12, 6: 54, 12: 4020}
-    assert np.all(np.abs(found.theta - TWO_PI * np.arange(4095) / 4095) <= found.error_bound)
 
 
 @pytest.mark.parametrize(
@@ -61,50 +65,41 @@ def test_sine_map_counts_are_the_known_ones_and_those_of_a_huge_grid(omega, stre
         np.testing.assert_array_equal(np.sort(alone.image), np.arange(count))
 
 
-def test_logistic_map_at_four_has_the_exact_2_to_the_n_points():
-    for n in (1, 3, 12):
-        found = periodic_points(logistic(4.0), n)
-        k = np.arange(2 ** (n - 1))
-        exact = np.concatenate(
-            [np.sin(np.pi * k / (2**n - 1)) ** 2, np.sin(np.pi * (k + 1) / (2**n + 1)) ** 2]
-        )
-        truth = TWO_PI * np.sort(exact)
-        assert found.count == 2**n
-        assert np.all(np.abs(found.theta - truth) <= found.error_bound)
-        assert np.max(np.abs(found.theta - truth)) < 1e-12
-        # |multiplier| is 2ⁿ at every point but 0, where it is 4ⁿ (conjugacy with the tent map).
-        np.testing.assert_allclose(np.abs(found.multiplier[1:]), 2.0**n, rtol=1e-8)
-        assert abs(found.multiplier[0] / 4.0**n - 1.0) < 1e-12
+@pytest.mark.parametrize("n", [1, 3, 12])
+def test_logistic_map_at_four_has_the_exact_2_to_the_n_points(n):
+    found = periodic_points(logistic(4.0), n)
+    k = np.arange(2 ** (n - 1))
+    roots = [np.sin(np.pi * k / (2**n - 1)) ** 2, np.sin(np.pi * (k + 1) / (2**n + 1)) ** 2]
+    off = np.abs(found.theta - TWO_PI * np.sort(np.concatenate(roots)))
+    assert np.all(off <= found.error_bound) and np.max(off) < 1e-12
+    # |multiplier| is 2ⁿ at every point but 0, where it is 4ⁿ (conjugacy with the tent map).
+    np.testing.assert_allclose(np.abs(found.multiplier[1:]), 2.0**n, rtol=1e-8)
+    assert abs(found.multiplier[0] / 4.0**n - 1.0) < 1e-12
 
 
-def test_counts_of_full_branches_follow_from_the_transition_matrix():
-    # A full m-branch map has trace(Aⁿ) = mⁿ closed walks; on the circle the end points of the
-    # branches coincide.
-    for slope, n in ((3, 5), (-3, 4), (-2, 7), (5, 4)):
-        straight = CircleMap(lambda x, s=slope: s * x, lambda x, s=slope: s + 0 * x, degree=slope)
-        assert periodic_points(straight, n).count == abs(slope**n - 1)
+@pytest.mark.parametrize(("slope", "n"), [(3, 5), (-3, 4), (-2, 7), (5, 4)])
+def test_counts_of_full_branches_follow_from_the_transition_matrix(slope, n):
+    """A full m-branch map has trace(Aⁿ) = mⁿ closed walks; on the circle the end points of the
+    branches coincide.
+    """
+    straight = CircleMap(lambda x: slope * x, lambda x: slope + 0 * x, degree=slope)
+    assert periodic_points(straight, n).count == abs(slope**n - 1)
 
 
-def test_markov_map_with_jumps_has_the_trace_of_its_transition_matrix():
-    # Golden-mean (beta) map x → βx mod 1, branches [0, 1/β), [1/β, 1): the second covers only the
-    # first.
+@pytest.mark.parametrize("n", [1, 2, 3, 8])
+def test_markov_map_with_jumps_has_the_trace_of_its_transition_matrix(n):
+    """Golden-mean (beta) map x → βx mod 1, branches [0, 1/β), [1/β, 1): the second covers only the
+    first.
+    """
     beta = (1 + 5**0.5) / 2
-
-    def lift(t):
-        turns = np.floor(t / TWO_PI)
-        x = t - TWO_PI * turns
-        return beta * x - TWO_PI * (x >= TWO_PI / beta) + TWO_PI * turns
-
-    markov = CircleMap(lift, lambda t: beta + 0 * t, [0.0, TWO_PI / beta])
-    for n in (1, 2, 3, 5, 8):
-        trace = int(np.trace(np.linalg.matrix_power(np.array([[1, 1], [1, 0]]), n)))
-        found = periodic_points(markov, n)
-        # 0 and 1 are one point, so of the itineraries 0^∞, (01)^∞ → 1/β and (10)^∞ → 1 one is lost
-        # for even n.
-        assert found.count == trace - (n % 2 == 0)
-        # A jump of Fⁿ ends on the diagonal at 0 for odd n, at 1/β (from the left) for even n.
-        at = found.theta[found.kind == "border-collision"]
-        np.testing.assert_allclose(at, [0.0] if n % 2 else [TWO_PI / beta], atol=1e-13)
+    seam = TWO_PI / beta
+    found = periodic_points(lines((0, seam, 0, beta), (seam, TWO_PI, -TWO_PI, beta)), n)
+    # 0 and 1 are one point, so of the itineraries 0^∞, (01)^∞ → 1/β and (10)^∞ → 1 one is lost
+    # for even n.
+    trace = np.trace(np.linalg.matrix_power(np.array([[1, 1], [1, 0]]), n))
+    assert found.count == trace - (n % 2 == 0)
+    # A jump of Fⁿ ends on the diagonal at 0 for odd n, at 1/β (from the left) for even n.
+    agree(found.theta[found.kind == "border-collision"], [0.0 if n % 2 else seam], 1e-13)
 
 
 def with_double_roots(rng):
@@ -114,8 +109,7 @@ def with_double_roots(rng):
     doubles, pairs = rng.uniform(0, TWO_PI, rng.integers(1, 3)), rng.integers(0, 3)
     singles = rng.uniform(0, TWO_PI, 2 * pairs)
     roots = np.concatenate([doubles, singles])
-    apart = np.abs(np.mod(roots[:, None] - roots + np.pi, TWO_PI) - np.pi) + 9 * np.eye(roots.size)
-    if np.min(apart) < 0.3:
+    if np.min(apart(roots[:, None], roots) + 9 * np.eye(roots.size)) < 0.3:
         return with_double_roots(rng)
 
     def factors(x):
@@ -140,10 +134,10 @@ def with_double_roots(rng):
 
 
 @pytest.mark.slow
-def test_double_roots_of_hundreds_of_random_maps_are_one_none_or_two_as_they_must_be():
+def test_double_roots_of_random_maps_are_one_none_or_two_as_they_must_be():
     rng, checked = np.random.default_rng(7), 0
     shifts = [s * e for e in (1e-14, 1e-13, 4e-12, 1e-9, 1e-6) for s in (1, -1)]
-    for number in range(150):
+    for number in range(60):
         doubles, curvature, simple, g, slope = with_double_roots(rng)
         if np.min(np.abs(curvature)) < 1e-2:
             continue
@@ -157,9 +151,9 @@ def test_double_roots_of_hundreds_of_random_maps_are_one_none_or_two_as_they_mus
             assert np.sum(touching) == (doubles.size if merged else 0)
             assert np.all(np.isfinite(found.error_bound))
             if merged:
-                np.testing.assert_allclose(found.theta[touching], np.sort(doubles), atol=1e-10)
+                agree(found.theta[touching], np.sort(doubles), 1e-10)
             checked += 1
-    assert checked > 230
+    assert checked > 90
 
 
 EDGES = [(2, 0.46966533712136485155447001, 0.9, 2), (2, 0.46301722338218515819112389, 1.0, 2)]
@@ -172,7 +166,7 @@ def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue
     n, edge, strength, points
 ):
     seen = []
-    for distance in np.concatenate([[0.0], np.geomspace(1e-15, 1e-6, 19)]):
+    for distance in np.concatenate([[0.0], np.geomspace(1e-15, 1e-6, 10)]):
         for side in (-1, 1):
             sine = CircleMap.arnold(edge + side * distance, strength)
             found, orbits = periodic_points(sine, n), periodic_orbits(sine, n)
@@ -184,30 +178,27 @@ def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue
     assert set(seen) == {0, 1, 2}
 
 
-@pytest.mark.parametrize("centre", [0.0, 0.7, np.pi, 5.9])
-def test_degenerate_tangencies_are_one_point_of_the_documented_kind(centre):
-    turns = {
-        "cubic": (lambda x: 0.1 * np.sin(x) ** 3, lambda x: 0.3 * np.sin(x) ** 2 * np.cos(x)),
-        "quartic": (
-            lambda x: 0.2 * (1 - np.cos(x)) ** 2,
-            lambda x: 0.4 * (1 - np.cos(x)) * np.sin(x),
-        ),
-        "quintic": (lambda x: 0.1 * np.sin(x) ** 5, lambda x: 0.5 * np.sin(x) ** 4 * np.cos(x)),
-    }
-    for name, (g, slope) in turns.items():
-        for sign in (1, -1):
-            touch = CircleMap(
-                lambda x, g=g, s=sign: x + s * g(x - centre),
-                lambda x, h=slope, s=sign: 1 + s * h(x - centre),
-            )
-            found = periodic_points(touch, 1)
-            assert found.kind.tolist() == (
-                ["saddle-node"] if name == "quartic" else ["neutral", "neutral"]
-            )
-            off = np.abs(np.mod(found.theta - centre + 0.5, np.pi) - 0.5)
-            assert np.all(off <= found.error_bound)
-            assert np.max(found.error_bound) < 0.03
-            assert np.all(np.abs(found.multiplier - 1.0) <= found.multiplier_error)
+DEGENERATE = {
+    "cubic": (lambda x: 0.1 * np.sin(x) ** 3, lambda x: 0.3 * np.sin(x) ** 2 * np.cos(x)),
+    "quartic": (lambda x: 0.2 * (1 - np.cos(x)) ** 2, lambda x: 0.4 * (1 - np.cos(x)) * np.sin(x)),
+    "quintic": (lambda x: 0.1 * np.sin(x) ** 5, lambda x: 0.5 * np.sin(x) ** 4 * np.cos(x)),
+}
+
+
+@pytest.mark.parametrize("centre", [0.0, 0.7, np.pi])
+@pytest.mark.parametrize("name", DEGENERATE)
+def test_degenerate_tangencies_are_one_point_of_the_documented_kind(name, centre):
+    g, slope = DEGENERATE[name]
+    for sign in (1, -1):
+        touch = CircleMap(
+            lambda x, s=sign: x + s * g(x - centre), lambda x, s=sign: 1 + s * slope(x - centre)
+        )
+        found = periodic_points(touch, 1)
+        kinds = ["saddle-node"] if name == "quartic" else ["neutral", "neutral"]
+        assert found.kind.tolist() == kinds
+        off = np.abs(np.mod(found.theta - centre + 0.5, np.pi) - 0.5)
+        assert np.all(off <= found.error_bound) and np.max(found.error_bound) < 0.03
+        assert np.all(np.abs(found.multiplier - 1.0) <= found.multiplier_error)
 
 
 @pytest.mark.parametrize(
@@ -225,17 +216,17 @@ def test_on_a_kink_the_side_decides_on_which_orbits_are_or_both_where_they_chang
     left, right, kind
 ):
     """Two lines meet at θ = 1, and a third one closes the turn."""
-    ends = 1.0 - 0.3 * left, 1.0 + 0.3 * right
-    rest = (ends[0] + TWO_PI - ends[1]) / (TWO_PI - 0.6)
-    kinked = CircleMap.from_branches(
-        [
-            (0.7, 1.0, lambda x: 1.0 + left * (x - 1.0), None),
-            (1.0, 1.3, lambda x: 1.0 + right * (x - 1.0), None),
-            (1.3, 0.7 + TWO_PI, lambda x: ends[1] + rest * (x - 1.3), None),
-        ]
+    low, high = 1.0 - 0.3 * left, 1.0 + 0.3 * right
+    rest = (low + TWO_PI - high) / (TWO_PI - 0.6)
+    kinked = lines(
+        (0.7, 1.0, 1.0 - left, left),
+        (1.0, 1.3, 1.0 - right, right),
+        (1.3, 0.7 + TWO_PI, high - 1.3 * rest, rest),
     )
     [point] = [orbit for orbit in fixed_points(kinked) if abs(orbit.points[0] - 1.0) < 1e-9]
     assert point.kind == kind and point.stable == (kind == "stable")
+    agree([point.left_multiplier, point.multiplier], [left, right], 1e-12)
+    assert crossings_by_jump(kinked) == []
 
 
 def test_period_doubling_merges_its_orbits_only_within_the_tangency():
@@ -255,67 +246,52 @@ def test_period_doubling_merges_its_orbits_only_within_the_tangency():
 def test_error_bounds_hold_and_are_not_far_above_the_truth():
     # Möbius maps: e^{iθ} solves a quadratic, known in closed form.
     rng = np.random.default_rng(3)
-    for _ in range(60):
+    for _ in range(20):
         a, omega = rng.uniform(0.2, 0.95), rng.uniform(-0.05, 0.05)
         found = periodic_points(CircleMap.moebius(a, omega), 1)
         half = np.arcsin(np.sin(np.pi * omega) / a)
         # F(θ) = θ where a sin(θ - πΩ) = - sin πΩ, that is θ = πΩ - half and θ = πΩ + π + half.
         truth = np.sort(np.mod([np.pi * omega - half, np.pi * omega + np.pi + half], TWO_PI))
         assert found.count == 2
-        error = np.abs(found.theta - truth)
-        error = np.minimum(error, TWO_PI - error)
-        assert np.all(error <= found.error_bound + 1e-15)
+        assert np.all(apart(found.theta, truth) <= found.error_bound + 1e-15)
         assert np.all(found.error_bound < 1e-13 / np.abs(found.multiplier - 1) + 1e-13)
 
 
 def test_a_collision_with_a_jump_is_one_border_point():
     # The fixed point shift/(1 - 0.6) turns leaves through the jump at shift = 0 and at shift = 0.4.
-    for shift, kinds in (
-        (-1e-9, []),
-        (0.0, ["border-collision"]),
-        (1e-9, ["stable"]),
-        (0.4 - 1e-9, ["stable"]),
-        (0.4, ["border-collision"]),
-        (0.4 + 1e-9, []),
-    ):
-        found = periodic_points(contraction(0.6, shift), 1)
-        assert found.kind.tolist() == kinds
-        assert [p.kind for p in fixed_points(contraction(0.6, shift))] == kinds
+    for edge, inward in ((0.0, 1e-9), (0.4, -1e-9)):
+        for off, kinds in ((-inward, []), (0.0, ["border-collision"]), (inward, ["stable"])):
+            found = periodic_points(contraction(0.6, edge + off), 1)
+            assert found.kind.tolist() == kinds
 
 
 def test_plateaus_folds_and_kinks_in_one_map_give_superstable_orbits():
-    def clipped(t):
-        turns = np.floor(t / TWO_PI)
-        return np.minimum(3.0 * (t - TWO_PI * turns), 4.0) + TWO_PI * turns
-
-    breaks = [0.0, 4.0 / 3.0]
-    flat = CircleMap(clipped, lambda t: 3.0 * (np.mod(t, TWO_PI) < 4.0 / 3.0), breaks)
+    flat = lines((0, 4 / 3, 0, 3), (4 / 3, TWO_PI, 4, 0))
     found = periodic_points(flat, 1)
-    np.testing.assert_allclose(found.theta[found.kind == "stable"], [4.0])
-    np.testing.assert_array_equal(found.multiplier[found.kind == "stable"], [0.0])
+    stable = found.kind == "stable"
+    agree(found.theta[stable], [4.0], 1e-14)
+    assert found.multiplier[stable].tolist() == [0.0]
     for n in (2, 3):
         again = periodic_points(flat, n)
-        assert np.all(again.prime_period == 1)
-        assert again.count == found.count
+        assert np.all(again.prime_period == 1) and again.count == found.count
 
 
-def test_fine_features_met_by_a_steep_second_iterate_are_not_missed():
-    # A ripple of wavelength 0.16 behind a slope of 9: each of the two routes sees it in its own
-    # way.
+@pytest.mark.parametrize(("degree", "height"), [(9, 0.02), (3, 0.2)])
+def test_fine_features_met_by_a_steep_second_iterate_are_not_missed(degree, height):
+    """A ripple of wavelength 0.16 behind a slope of 9, and one that folds: each of the two routes
+    sees it in its own way.
+    """
     rippled = CircleMap(
-        lambda x: 9 * x + 0.02 * np.sin(40 * x), lambda x: 9 + 0.8 * np.cos(40 * x), degree=9
+        lambda x: degree * x + height * np.sin(40 * x),
+        lambda x: degree + 40 * height * np.cos(40 * x),
+        degree=degree,
     )
     assert counts(periodic_points(rippled, 2)) == sign_changes(rippled, 2)
-    folded = CircleMap(
-        lambda x: 3 * x + 0.2 * np.sin(40 * x), lambda x: 3 + 8 * np.cos(40 * x), degree=3
-    )
-    assert counts(periodic_points(folded, 2)) == sign_changes(folded, 2)
 
 
 def test_too_many_points_are_refused_and_none_are_an_answer_that_never_changes():
-    with pytest.raises(ConvergenceError, match=r"too steep.* shorter period"):
-        periodic_points(CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9), 9)
-    empty = periodic_points(CircleMap.rigid(0.2), 3)
-    assert empty.count == 0
+    steep = CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9)
+    refused(periodic_points, steep, 9, kind=ConvergenceError, told=r"too steep.* shorter period")
+    assert periodic_points(CircleMap.rigid(0.2), 3).count == 0
     with pytest.raises(ValueError, match="read-only"):
         periodic_points(DOUBLING, 2).theta[0] = 1.0
