@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     conjugate,
@@ -16,7 +15,8 @@ from cyclemap.maps import (
     rotation_interval,
     topological_entropy,
 )
-from tests.maps.known_maps import DOUBLING, DROPPING, TWO_PI, logistic
+from tests.maps.known_maps import DOUBLING, DROPPING, TWO_PI, lines, logistic
+from tests.refusals import refused
 
 FOLDED = CircleMap.arnold(0.5, 3.0)
 
@@ -24,46 +24,37 @@ FOLDED = CircleMap.arnold(0.5, 3.0)
 def zigzag(slope, shift):
     """A lift of degree 1 with slopes ±s: its entropy is ln s (Misiurewicz & Szlenk 1980)."""
     top = np.pi * (1 / slope + 1)
-
-    def lift(theta):
-        turns = np.floor(theta / TWO_PI)
-        base = theta - TWO_PI * turns
-        return TWO_PI * turns + shift + np.where(base < top, slope * base, slope * (2 * top - base))
-
-    return CircleMap(
-        lift, lambda theta: np.where(np.mod(theta, TWO_PI) < top, slope, -slope), [0.0, top]
-    )
+    return lines((0, top, shift, slope), (top, TWO_PI, shift + 2 * slope * top, -slope))
 
 
-@pytest.mark.parametrize("slope", [1.3, 2.0, 2.7, 3.0, 4.4])
-def test_a_lift_of_constant_slope_has_its_logarithm(slope):
-    for shift in (0.3, 1.0, 5.1):
-        found = topological_entropy(zigzag(slope, shift))
-        assert found.holds(np.log(slope)) and found.error_bound < 1e-6
+@pytest.mark.parametrize(("slope", "shift"), [(1.3, 0.3), (2.0, 1.0), (3.0, 0.3), (4.4, 5.1)])
+def test_a_lift_of_constant_slope_has_its_logarithm(slope, shift):
+    found = topological_entropy(zigzag(slope, shift))
+    assert found.holds(np.log(slope)) and found.error_bound < 1e-6
 
 
-def test_logistic_maps_have_the_known_values():
-    """ln 2 at r = 4; in the window of period 3 the entropy of its graph, the golden mean's
-    logarithm.
+@pytest.mark.parametrize(
+    ("r", "known"), [(3.5, 0.0), (3.83, np.log(0.5 + 0.5 * 5**0.5)), (4.0, np.log(2.0))]
+)
+def test_logistic_maps_have_the_known_values(r, known):
+    """None below chaos, ln 2 at r = 4; in the window of period 3 the entropy of its graph, the
+    golden mean's logarithm.
     """
-    window, full = topological_entropy(logistic(3.83)), topological_entropy(logistic(4.0))
-    assert window.holds(np.log(0.5 + 0.5 * 5**0.5)) and window.error_bound < 1e-3
-    assert (
-        full == pytest.approx(np.log(2.0), abs=1e-11)
-        and full.holds(np.log(2.0))
-        and full.error_bound < 1e-3
-    )
-    quiet = topological_entropy(logistic(3.5))
-    assert quiet.holds(0.0) and quiet.error_bound < 1e-3
-    # Rising in r (Milnor & Thurston 1988).
+    found = topological_entropy(logistic(r))
+    assert found.holds(known) and found.error_bound < 1e-3
+    assert r < 4.0 or abs(found - known) < 1e-11
+
+
+def test_the_entropy_of_logistic_maps_rises():
+    """Milnor & Thurston 1988."""
     values = [topological_entropy(logistic(r)) for r in (3.6, 3.7, 3.8, 3.9)]
     assert all(one.upper < other.lower for one, other in pairwise(values))
 
 
 def test_periodic_points_grow_no_faster_than_the_entropy_of_an_expanding_lift_and_nearly_as_fast():
     slope = zigzag(2.7, 0.3)
-    count = periodic_points(slope, 9).count
-    assert np.log(count) / 9 == pytest.approx(topological_entropy(slope), abs=0.15)
+    count = periodic_points(slope, 7).count
+    assert np.log(count) / 7 == pytest.approx(topological_entropy(slope), abs=0.15)
 
 
 def test_entropy_is_kept_by_turning_and_multiplied_by_iterating():
@@ -84,17 +75,15 @@ def test_a_lift_whose_rotation_interval_is_one_fraction_may_have_none_and_wide_o
     """An interval of rotation numbers [0, 1/2] or wider means positive entropy (Misiurewicz
     1986)."""
     rng, wide = np.random.default_rng(2), 0
-    for _ in range(8):
+    for _ in range(5):
         circle_map = CircleMap.arnold(rng.uniform(0, 1), rng.uniform(1.2, 4.0))
-        interval, entropy = (
-            rotation_interval(circle_map, iterates=2_000),
-            topological_entropy(circle_map),
-        )
+        interval = rotation_interval(circle_map, iterates=2_000)
+        entropy = topological_entropy(circle_map)
         if interval.lower_number.upper < interval.upper_number.lower:
             assert entropy.lower > 0.0
             wide += 1
         assert entropy.upper <= np.log(3 + 2 * np.ceil(1.0 + 4.0 / np.pi))
-    assert 2 <= wide <= 7
+    assert 2 <= wide <= 4
 
 
 def test_more_images_narrow_the_bounds_and_never_move_them_apart():
@@ -107,7 +96,7 @@ def test_more_images_narrow_the_bounds_and_never_move_them_apart():
 
 def test_bounds_hold_for_lifts_moved_by_what_they_may_be_off():
     rng, off = np.random.default_rng(8), 1e-4
-    for _ in range(5):
+    for _ in range(3):
         plain = CircleMap.arnold(rng.uniform(0, 1), rng.uniform(1.5, 4.0))
         claimed = CircleMap(plain, plain.derivative, max_error=off)
         wave = off * np.cos(rng.uniform(0, 6))
@@ -119,7 +108,7 @@ def test_bounds_hold_for_lifts_moved_by_what_they_may_be_off():
         assert abs(one - other) <= one.error_bound + other.error_bound
 
 
-@pytest.mark.parametrize("off", [5e-4, 0.02, 0.5])
+@pytest.mark.parametrize("off", [5e-4, 0.5])
 def test_bounds_hold_the_smooth_lift_from_which_every_fold_has_been_made_by_an_error(off):
     """Ripples as high as the error on a lift of slope 1/2, all of whose orbits come to rest."""
 
@@ -141,29 +130,20 @@ def test_bounds_hold_the_smooth_lift_from_which_every_fold_has_been_made_by_an_e
     assert found.lower <= 0.0 and folded > 0.5 and found.upper >= folded.upper
 
 
-def test_an_error_of_half_a_turn_is_refused():
-    with pytest.raises(InvalidInput, match="tells nothing of its entropy"):
-        topological_entropy(CircleMap(FOLDED, FOLDED.derivative, max_error=3.2))
-
-
 def test_kneading_sequences_follow_the_orbits_of_the_folds():
-    for sequence, fold in zip(
-        kneading_sequences(FOLDED, 12), (np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)), strict=True
-    ):
-        theta, letters = fold, []
+    first, last = np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)
+    for sequence, theta in zip(kneading_sequences(FOLDED, 12), (first, last), strict=True):
+        letters = []
         for _ in range(12):
             theta = np.mod(float(FOLDED(theta)), TWO_PI)
-            letters.append(0 if np.arccos(1 / 3) <= theta < TWO_PI - np.arccos(1 / 3) else 1)
+            letters.append(0 if first <= theta < last else 1)
         assert list(sequence) == letters
 
 
-def test_jumps_are_refused():
-    with pytest.raises(InvalidInput, match="F jumps"):
-        topological_entropy(DROPPING)
-    with pytest.raises(InvalidInput, match="give a CircleMap"):
-        kneading_sequences("map")
-
-
-def test_more_points_than_can_be_solved_for_are_refused():
-    with pytest.raises(InvalidInput, match="iterates is 1000000"):
-        topological_entropy(CircleMap.arnold(0.0, 1.5), iterates=1_000_000)
+def test_what_has_no_entropy_or_more_points_than_can_be_solved_for_is_refused():
+    refused(topological_entropy, DROPPING, told="F jumps")
+    refused(kneading_sequences, "map", told="give a CircleMap")
+    inexact = CircleMap(FOLDED, FOLDED.derivative, max_error=3.2)
+    refused(topological_entropy, inexact, told="tells nothing of its entropy")
+    steep = CircleMap.arnold(0.0, 1.5)
+    refused(topological_entropy, steep, iterates=1_000_000, told="iterates is 1000000")
