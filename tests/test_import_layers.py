@@ -205,7 +205,7 @@ ROWS = {
     ),
 }
 PARTS_SHARED: dict[str, set[str]] = {
-    "maps": {"estimate", "quadrature", "noise", "bounded_noise"},
+    "maps": {"estimate", "quadrature", "noise"},
     "evidence": {"motion_check", "predicted_strokes", "rod_contacts"},
 }
 

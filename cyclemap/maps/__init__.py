@@ -77,7 +77,6 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.maps.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
     from cyclemap.maps.estimate import Estimate as Estimate
     from cyclemap.maps.families.bifurcation_curves import (
         BifurcationCurve as BifurcationCurve,
@@ -140,6 +139,8 @@ if TYPE_CHECKING:
     )
     from cyclemap.maps.noise import (
         Noise as Noise,
+        UniformNoise as UniformNoise,
+        VonMises as VonMises,
         WrappedCauchy as WrappedCauchy,
         WrappedNormal as WrappedNormal,
     )

@@ -73,8 +73,6 @@ def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False
         if (edges.size - 1) * _POINTS > MAX_NODES:
             raise too_many_nodes((edges.size - 1) * _POINTS)
         rough = _is_rough(circle_map, edges, logarithm)
-        if not np.any(rough) and circle_map.pieces is None:
-            rough = _missed_by_nodes(circle_map, edges)
         if not np.any(rough):
             break
         edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[rough])
@@ -82,26 +80,23 @@ def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False
 
 
 def _is_rough(circle_map: CircleMap, edges: Array, logarithm: bool) -> Mask:
-    """Which panels' nodes show more of F than polynomials of their degree hold."""
+    """Which panels' nodes show more of F than polynomials of their degree hold; where none do, on
+    which F departs from its polynomial between them.
+    """
+    left = edges[:-1]
     width = np.diff(edges)
-    x, _ = gauss_rule(edges[:-1], width, _POINTS)
+    x, _ = gauss_rule(left, width, _POINTS)
     to_coefficients = _to_coefficients(_POINTS)
-    image = circle_map(x)
-    here = image.reshape(-1, _POINTS)
-    tail = np.sum(np.abs(here @ to_coefficients[:, -_TAIL:]), axis=1)
+    here = circle_map(x).reshape(-1, _POINTS)
+    coefficients = here @ to_coefficients
+    tail = np.sum(np.abs(coefficients[:, -_TAIL:]), axis=1)
     rough = tail > _RESOLVED + 4.0 * LIFT * (TWO_PI + np.max(np.abs(here), axis=1))
     if logarithm:
         log = np.log(np.maximum(np.abs(circle_map.derivative(x)), _FLOOR)).reshape(-1, _POINTS)
         rough |= np.sum(np.abs(log @ to_coefficients[:, -_TAIL:]), axis=1) * width > _LOG_RESOLVED
-    return np.asarray(rough & (width > _SHORTEST))
-
-
-def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
-    """Which panels F departs from its polynomial on between their nodes."""
-    left = edges[:-1]
-    width = np.diff(edges)
-    x, _ = gauss_rule(left, width, _POINTS)
-    coefficients = circle_map(x).reshape(-1, _POINTS) @ _to_coefficients(_POINTS)
+    rough &= width > _SHORTEST
+    if np.any(rough) or circle_map.pieces is not None:
+        return np.asarray(rough)
     count = np.ceil(width * (_PROBES / TWO_PI)).astype(np.int64)
     owner = np.repeat(np.arange(width.size), count)
     share = (ranks(count) + _GOLDEN) / count[owner]

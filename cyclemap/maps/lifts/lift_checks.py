@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -96,7 +97,7 @@ def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
     """
     wraps = (side < 0) & (breaks < SIDE_STEP)
     points = np.where(wraps, breaks + TWO_PI, breaks) + side * SIDE_STEP
-    return np.asarray(function(points), dtype=np.float64) - TWO_PI * climb * wraps
+    return function(points) - TWO_PI * climb * wraps
 
 
 def one_sided_limit(
@@ -241,8 +242,8 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
         if not isinstance(lift, MadeLift):
             _refuse_other_slope(lift, points[: slopes.size], slopes)
         if breaks.size:
-            checked_call("lift", lambda theta: beside(lift, theta, -1, degree), breaks)
-            checked_call("lift", lambda theta: beside(lift, theta, 1, degree), breaks)
+            for side in (-1, 1):
+                checked_call("lift", partial(beside, lift, side=side, climb=degree), breaks)
         steps = np.abs(values[25:] - values[24:-1])
         if steps.max() > _HIDDEN_JUMP:
             _refuse_hidden_jump(lift, derivative, breaks, points[24:], steps)

@@ -70,7 +70,15 @@ class InverseLift(MadeLift):
         """1/F' at the inverse, on the side of F's breaks that belongs to the value, 0 across a jump
         of F; its error is that of F', at an angle that is known to rounding over F'.
         """
-        theta, low, high = self._inside(values)
+        base, _ = self._in_table(values)
+        theta = self.table.inverse(base)
+        # F' belongs to the value inside the breaks at the ends of its cell.
+        cell = self.table.cell(base)
+        low = self.table.theta[cell]
+        high = self.table.theta[cell + 1]
+        margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
+        low = low + margin
+        high = high - margin
         with np.errstate(divide="ignore", invalid="ignore"):
             slope = self.table.map.derivative(np.clip(theta, low, high))
             moved = LIFT * (TWO_PI + np.abs(values)) * (1.0 + 1.0 / np.abs(slope))
@@ -81,17 +89,10 @@ class InverseLift(MadeLift):
             ) + LIFT / np.abs(slope)
             return np.where(high > low, 1.0 / slope, 0.0), np.where(high > low, bound, 0.0)
 
-    def _inside(self, values: Array) -> tuple[Array, Array, Array]:
-        """The angles, and the ends between which F' belongs to the value: inside their cell's
-        breaks.
-        """
-        base, _ = self._in_table(values)
-        theta = self.table.inverse(base)
-        cell = self.table.cell(base)
-        low = self.table.theta[cell]
-        high = self.table.theta[cell + 1]
-        margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
-        return theta, low + margin, high - margin
+
+# One map of a composite: its argument, kept between a low and a high end, its image, and the whole
+# turns that were taken off up to there: (map, argument, low, high, image, turns).
+_Stage = tuple[CircleMap, Array, Array, Array, Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,15 +115,15 @@ class CompositeLift(MadeLift):
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta``, radians."""
-        for stage in self._stages(theta):
-            image = stage.image + TWO_PI * stage.turns
-        return image
+        for *_, image, turns in self._stages(theta):
+            lifted = image + TWO_PI * turns
+        return lifted
 
     def derivative(self, theta: Array) -> Array:
         """Its slope by the chain rule."""
         product = np.ones_like(theta)
-        for stage in self._stages(theta):
-            product = product * stage.map.derivative(stage.angle)
+        for circle_map, angle, *_ in self._stages(theta):
+            product = product * circle_map.derivative(angle)
         return product
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
@@ -132,16 +133,14 @@ class CompositeLift(MadeLift):
         product = np.ones_like(theta)
         error = np.zeros_like(theta)
         moved = 0.5 * np.spacing(np.abs(theta))
-        for stage in self._stages(theta):
-            slope, off = slope_and_error_beside(
-                stage.map, stage.angle, moved, stage.low, stage.high
-            )
+        for circle_map, angle, low, high, image, _ in self._stages(theta):
+            slope, off = slope_and_error_beside(circle_map, angle, moved, low, high)
             error = (
                 np.abs(product) * off
                 + error * (np.abs(slope) + off)
                 + EPS * np.abs(product * slope)
             )
-            moved = moved * (np.abs(slope) + off) + LIFT * (TWO_PI + np.abs(stage.image))
+            moved = moved * (np.abs(slope) + off) + LIFT * (TWO_PI + np.abs(image))
             product = product * slope
         return product, error
 
@@ -159,7 +158,7 @@ class CompositeLift(MadeLift):
                 angle = np.clip(angle - TWO_PI * whole, stage_low, stage_high)
             image = circle_map(angle)
             turns = (turns + whole) * float(circle_map.degree)
-            yield _Stage(circle_map, angle, image, turns, stage_low, stage_high)
+            yield circle_map, angle, stage_low, stage_high, image, turns
             angle = image
 
     def scalar(self) -> Scalar:
@@ -190,20 +189,6 @@ class CompositeLift(MadeLift):
             return angle + TWO_PI * turns
 
         return lift
-
-
-@dataclass(frozen=True, eq=False)
-class _Stage:
-    """One map of a composite: its argument ``angle``, kept in [low, high], its image, and the whole
-    turns that were taken off up to there.
-    """
-
-    map: CircleMap
-    angle: Array
-    image: Array
-    turns: Array
-    low: Array
-    high: Array
 
 
 MAX_ITERATES = 250_000

@@ -250,26 +250,22 @@ def _refuse_hidden_jump(cells: Cells) -> None:
 
 
 def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
-    turning = np.flatnonzero(cells.slope_start * cells.slope_end < 0.0)
-    if turning.size == 0:
+    turns = cells.slope_start * cells.slope_end < 0.0
+    if not np.any(turns):
         return cells
+    turning = np.flatnonzero(turns)
     start, end = (ends[turning] for ends in cells.inner())
     theta = bracketed_root(
         lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, start, end
     )
     g = iterate(circle_map, theta, cells.period) - cells.shift * theta
-    after = turning + 1
     flat = np.zeros_like(g)
-    return replace(
-        cells,
-        start=np.insert(cells.start, after, theta),
-        end=np.insert(cells.end, turning, theta),
-        g_start=np.insert(cells.g_start, after, g),
-        g_end=np.insert(cells.g_end, turning, g),
-        slope_start=np.insert(cells.slope_start, after, flat),
-        slope_end=np.insert(cells.slope_end, turning, flat),
-        cut=np.insert(cells.cut, after, False),
+    halves = taken(cells, turning)
+    first = replace(halves, end=theta, g_end=g, slope_end=flat)
+    second = replace(
+        halves, start=theta, g_start=g, slope_start=flat, cut=np.zeros(g.size, dtype=bool)
     )
+    return joined([taken(cells, ~turns), first, second])
 
 
 def _refuse_rough(cells: Cells, rough: Mask) -> None:

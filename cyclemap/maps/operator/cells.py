@@ -12,13 +12,12 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.bounded_noise import wrapped_window
 from cyclemap.maps.estimate import EPS, INTEGRAL, LIFT, Estimate
 from cyclemap.maps.lifts.branches import branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.lifts.scan import ranks
-from cyclemap.maps.noise import Noise
+from cyclemap.maps.noise import Noise, wrapped_window
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Function, StationaryLaw, checked_values
 from cyclemap.maps.quadrature import Rule, gauss_rule

@@ -5,7 +5,6 @@ folds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import floor
 
 import numpy as np
@@ -28,20 +27,13 @@ _CLOSING = 1e-12  # of the entropy: of eigenvalues and of orbits that close to r
 
 @dataclass(frozen=True, eq=False)
 class Folds:
-    """A continuous lift with folds: fold j is the start of branch j, and F there its value."""
+    """A continuous lift with folds: fold j is the start of branch j, ``theta`` (m,) in [0, 2π),
+    rising.
+    """
 
     map: CircleMap
     parts: tuple[Branch, ...]
-
-    @cached_property
-    def theta(self) -> Array:
-        """(m,): the folds, in [0, 2π), rising."""
-        return np.array([branch.start for branch in self.parts])
-
-    @cached_property
-    def value(self) -> Array:
-        """(m,): F at the folds."""
-        return np.array([branch.start_value for branch in self.parts])
+    theta: Array
 
     def branch(self, base: float) -> tuple[int, float]:
         """The branch of an angle of [0, 2π), and the angle in that branch's own turn."""
@@ -54,7 +46,7 @@ class Folds:
         """
         letters: list[int] = []
         turns: list[int] = []
-        image = float(self.value[fold]) - push * self.parts[fold].direction
+        image = self.parts[fold].start_value - push * self.parts[fold].direction
         error = ANGLE + self.map.max_error
         while len(letters) < length and (error < _LOST or not letters):
             base = image - TWO_PI * floor(image / TWO_PI)
@@ -256,7 +248,7 @@ def _folds(circle_map: CircleMap) -> Folds:
                 f"F jumps or is constant near θ = {branch.end % TWO_PI:.6g}: entropy is computed "
                 "for continuous lifts without plateaus"
             )
-    return Folds(circle_map, parts)
+    return Folds(circle_map, parts, np.array([branch.start for branch in parts]))
 
 
 def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:

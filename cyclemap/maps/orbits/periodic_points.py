@@ -186,9 +186,7 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     flips = (left < 0.0) & (right < 0.0)
     growth = np.where(flips, np.sqrt(np.abs(left * right)), np.maximum(left, right))
     unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
-    neutral = np.abs(growth - 1.0) <= unsure
-    kind = np.where(neutral, "neutral", np.where(growth < 1.0, "stable", "unstable"))
-    kind = kind.astype("<U16")
+    kind = _kinds(growth, unsure)
     kind[role == _TOUCH] = "saddle-node"
     kind[role == _BORDER] = "border-collision"
     return PeriodicPoints(theta, winding, right, left, slope_error, prime, kind, bound, image, n)
@@ -198,24 +196,19 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
     """The proved points, whose periods follow from their images, their kinds from their
     multipliers.
     """
-    points = proved_points(circle_map, n, slope_error)
-    visits = _visits(points.image, n + 1)
+    theta, bound, winding, multiplier, error, image = proved_points(circle_map, n, slope_error)
+    visits = _visits(image, n + 1)
     prime = 1 + np.argmax(visits[1:] == visits[0], axis=0)
-    size = np.abs(points.multiplier)
-    neutral = np.abs(size - 1.0) <= points.multiplier_error
-    kind = np.where(neutral, "neutral", np.where(size < 1.0, "stable", "unstable")).astype("<U16")
-    return PeriodicPoints(
-        points.theta,
-        points.winding,
-        points.multiplier,
-        points.multiplier,
-        points.multiplier_error,
-        prime,
-        kind,
-        points.error_bound,
-        points.image,
-        n,
-    )
+    kind = _kinds(np.abs(multiplier), error)
+    slopes = multiplier, multiplier, error
+    return PeriodicPoints(theta, winding, *slopes, prime, kind, bound, image, n)
+
+
+def _kinds(growth: Array, unsure: Array) -> npt.NDArray[np.str_]:
+    """What neighbours that grow by so much an n-fold cycle make of points."""
+    neutral = np.abs(growth - 1.0) <= unsure
+    kind = np.where(neutral, "neutral", np.where(growth < 1.0, "stable", "unstable"))
+    return kind.astype("<U16")
 
 
 _CROSSING, _KINK, _TOUCH, _BORDER = range(4)

@@ -25,6 +25,8 @@ _SETTLED = 1e-9  # radians: an orbit that comes back this near has settled
 _REACH = np.pi * 4.0 ** -np.arange(0.0, 19.0)
 _MARGIN = 2e-14  # radians: a gap above it is no rounding of the comparison itself
 _ZOOMS = 6  # times that the search narrows around the best angle so far
+# at most so many iterates, periods to try, and the half-width at which to stop
+_Budget = tuple[int, int, float]
 
 
 @dataclass(frozen=True)
@@ -160,18 +162,19 @@ def rotation_number(
     budget = _budget(circle_map, iterates, max_period, tolerance)
     if proved:
         return _proved_rotation(circle_map, budget)
+    return _computed_rotation(circle_map, budget)
+
+
+def _computed_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
     descent = largest_descent(circle_map)
     if descent <= SLACK:
         return _monotone_rotation(circle_map, budget, descent)
-    interval = rotation_interval(
-        circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
-    )
-    low = interval.lower_number
-    high = interval.upper_number
+    low, high = _interval(circle_map, budget)
     if low.proof and high.proof and low.locked == high.locked:
         proof = LockingProof(low.proof.ratio, high.proof.below, low.proof.above)
         return RotationNumber(low.value, low.lower, high.upper, low.locked, proof)
     # Of n cycles a mean is good to 1/n.
+    iterates, _, tolerance = budget
     enough = (
         iterates if tolerance == 0.0 else min(iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
     )
@@ -230,17 +233,17 @@ def rotation_interval(
     >>> found.lower_number.locked, found.upper_number.locked
     (Fraction(1, 6), Fraction(5, 6))
     """
-    budget = _budget(circle_map, iterates, max_period, tolerance)
-    low_map = lower_envelope(circle_map)
-    high_map = upper_envelope(circle_map)
-    # Envelopes fall by no more than was left of a descent.
-    low = _monotone_rotation(low_map, budget, SLACK)
-    high = low if high_map is low_map else _monotone_rotation(high_map, budget, SLACK)
+    low, high = _interval(circle_map, _budget(circle_map, iterates, max_period, tolerance))
     return RotationInterval(low.value, high.value, low, high)
 
 
-# at most so many iterates, periods to try, and the half-width at which to stop
-_Budget = tuple[int, int, float]
+def _interval(circle_map: CircleMap, budget: _Budget) -> tuple[RotationNumber, RotationNumber]:
+    """The numbers of both envelopes, which fall by no more than was left of a descent."""
+    low_map = lower_envelope(circle_map)
+    high_map = upper_envelope(circle_map)
+    low = _monotone_rotation(low_map, budget, SLACK)
+    high = low if high_map is low_map else _monotone_rotation(high_map, budget, SLACK)
+    return low, high
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
@@ -297,10 +300,8 @@ def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
             "no proof: a map that is not exact has bounds that hold for all within its max_error; "
             "leave out proved"
         )
-    iterates, max_period, tolerance = budget
-    searched = rotation_number(
-        circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
-    )
+    iterates, _, tolerance = budget
+    searched = _computed_rotation(circle_map, budget)
     low, high = proved_rotation(circle_map, iterates, 2.0 * tolerance, searched.proof)
     if low < high:
         return _unlocked(circle_map, *_floats(low, high), iterates)
