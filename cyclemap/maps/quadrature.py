@@ -185,10 +185,10 @@ def _has_rough_waves(
 
 def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) -> Array:
     """Panel edges: the ends, every break between them, and the samples there or a plain grid."""
+    marks = even_angles(_PANELS)
     if circle_map.pieces is not None and every_sample:
-        marks = np.union1d(circle_map.pieces.knots[:-1], circle_map.breaks)
-    else:
-        marks = np.union1d(even_angles(_PANELS), circle_map.breaks)
+        marks = circle_map.pieces.knots[:-1]
+    marks = np.union1d(marks, circle_map.breaks)
     lap = np.floor(start / TWO_PI)
     around = np.concatenate([marks + TWO_PI * (lap + k) for k in (0, 1, 2)])
     around = around[(around > start + SNAP) & (around < end - SNAP)]

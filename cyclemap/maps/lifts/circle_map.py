@@ -479,8 +479,8 @@ class CircleMap(MadeLift):
         True
         """
         whole = checked_degree(degree)
-        cubic, breaks, count = cubic_from_samples(theta, lifted, slopes, whole)
-        return cls.from_pieces(cubic, breaks, count, max_error)
+        cubic, breaks = cubic_from_samples(theta, lifted, slopes, whole)
+        return cls.from_pieces(cubic, breaks, np.size(theta), max_error)
 
     @classmethod
     def from_pieces(

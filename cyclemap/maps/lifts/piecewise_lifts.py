@@ -117,11 +117,8 @@ class PiecewiseCubic(MadeLift):
 
 def cubic_from_samples(
     theta: ArrayLike, lifted: ArrayLike, slopes: ArrayLike | None, degree: int
-) -> tuple[PiecewiseCubic, Array, int]:
-    """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample
-    points.
-    """
-    given = np.size(theta)
+) -> tuple[PiecewiseCubic, Array]:
+    """The piecewise cubic through the samples, and its breaks in [0, 2π)."""
     (angle, value, tangent), closed = _one_period(*_checked(theta, lifted, slopes), degree)
     nodal = _shape_preserving(angle, value, closed, degree) if slopes is None else tangent
     use = np.diff(angle) > 0.0
@@ -136,7 +133,7 @@ def cubic_from_samples(
     pieces = _onto_base_period(angle[:-1][use], np.stack([left, slope_left, c2, c3]), degree)
     inner = angle[1:][~use]
     breaks = inner if closed else np.append(inner, angle[0])
-    return pieces, np.unique(base_angles(breaks)), given
+    return pieces, np.unique(base_angles(breaks))
 
 
 def _checked(

@@ -95,11 +95,10 @@ def iterate(circle_map: CircleMap, theta: Array, period: int) -> Array:
 def iterate_slope(circle_map: CircleMap, theta: Array, period: int) -> Array:
     """(Fⁿ)'(θ) by the chain rule."""
     image = theta
-    slope = np.ones_like(theta)
-    for step in range(period):
+    slope = circle_map.derivative(theta)
+    for _ in range(period - 1):
+        image = circle_map(image)
         slope = slope * circle_map.derivative(image)
-        if step + 1 < period:
-            image = circle_map(image)
     return slope
 
 

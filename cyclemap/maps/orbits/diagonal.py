@@ -12,7 +12,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import nearest_on_circle
+from cyclemap.maps.lifts.lift_checks import nearest_on_circle, within_turn
 from cyclemap.maps.lifts.scan import (
     INSET,
     Cells,
@@ -167,10 +167,9 @@ def displacement(
         steepness = circle_map.derivative(image)
         lifted = circle_map(image)
         rounding = np.abs(steepness) * rounding + LIFT * (TWO_PI + np.abs(lifted))
-        laps = np.floor(lifted / TWO_PI)
+        image, laps = within_turn(lifted)
         turns = circle_map.degree * turns + laps.astype(np.int64)
         slope = slope * steepness
-        image = lifted - TWO_PI * laps
     return image - theta + TWO_PI * (turns - winding), slope, rounding
 
 

@@ -101,7 +101,7 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
     >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
     True
     """
-    return _envelope(circle_map, 1.0)
+    return _envelope(circle_map, 1)
 
 
 def lower_envelope(circle_map: CircleMap) -> CircleMap:
@@ -124,20 +124,20 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
     >>> bool(lowered(0.0) <= CircleMap.arnold(0.0, 3.0)(0.0))
     True
     """
-    return _envelope(circle_map, -1.0)
+    return _envelope(circle_map, -1)
 
 
-def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
+def _envelope(circle_map: CircleMap, mirror: int) -> CircleMap:
     """The upper envelope, or with ``mirror`` -1 the lower one: F, and on each plateau its level."""
     require_map(circle_map)
     require_degree_one(circle_map, "rotation")
     theta, value, steepest = _skeleton(circle_map)
-    if mirror > 0.0:
-        start, end, level = _plateaus(circle_map, theta, value, 1.0)
-    else:  # x → -F(-x) swaps infimum from the right with supremum from the left
-        end, start, level = (
-            -column[::-1] for column in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
-        )
+    # x → -F(-x) swaps infimum from the right with supremum from the left
+    nodes, values = (mirror * column[::mirror] for column in (theta, value))
+    plateaus = _plateaus(circle_map, nodes, values, mirror)
+    start, end, level = (mirror * column[::mirror] for column in plateaus)
+    if mirror < 0:
+        start, end = end, start
     if start.size == 0:
         return circle_map
     pieces = []
@@ -165,13 +165,14 @@ def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
 
 
 def _plateaus(
-    circle_map: CircleMap, nodes: Array, values: Array, mirror: float
+    circle_map: CircleMap, nodes: Array, values: Array, mirror: int
 ) -> tuple[Array, Array, Array]:
     """Starts (one turn of them), ends and levels of the intervals where the running maximum exceeds
     F.
     """
-    theta = np.concatenate([nodes + TWO_PI * k for k in (-1, 0, 1)])
-    value = np.concatenate([values + TWO_PI * k for k in (-1, 0, 1)])
+    laps = TWO_PI * np.array([[-1.0], [0.0], [1.0]])
+    theta = (nodes + laps).ravel()
+    value = (values + laps).ravel()
     highest = np.maximum.accumulate(value)
     under = value < highest - SLACK
     first = np.flatnonzero(under[1:] & ~under[:-1])

@@ -11,7 +11,7 @@ from cyclemap.checks import finite_array, finite_number, require_room, whole_num
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS, LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
-from cyclemap.maps.lifts.lift_checks import Lift
+from cyclemap.maps.lifts.lift_checks import Lift, within_turn
 from cyclemap.maps.lifts.map_algebra import slope_and_error_beside
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.quadrature import arc_rule
@@ -107,14 +107,14 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
     require_room("the orbit", starts.size * count, "follow it for fewer cycles")
     visited = np.empty((starts.size, count))
     if not circle_map.has_scalar:
-        theta = starts - TWO_PI * np.floor(starts / TWO_PI)
+        theta = starts
         for n in range(count):
+            theta, _ = within_turn(theta)
             visited[:, n] = theta
-            image = circle_map(theta)
-            theta = image - TWO_PI * np.floor(image / TWO_PI)
+            theta = circle_map(theta)
         return visited
-    for row, start in zip(visited, starts.tolist(), strict=True):
-        orbit = FollowedOrbit(circle_map, start=start - TWO_PI * floor(start / TWO_PI))
+    for row, start in zip(visited, within_turn(starts)[0].tolist(), strict=True):
+        orbit = FollowedOrbit(circle_map, start=start)
         orbit.run_to(count - 1)
         row[:] = orbit.visited
     return visited
@@ -270,14 +270,14 @@ def lyapunov_exponent(
     begin = _STARTS if start is None else np.array([finite_number("start", start)])
     visited = orbits_angles(circle_map, begin, skipped + ITERATES)[:, skipped:]
     exponents = [_along_orbit(circle_map, row) for row in visited]
-    low, high = (int(pick(exponents)) for pick in (np.argmin, np.argmax))
-    least = exponents[low]
-    most = exponents[high]
+    least = min(exponents)
+    most = max(exponents)
     allowed = _SAME + 4.0 * (least.error_bound + most.error_bound)
     if least != most and most - least > allowed:
         raise InvalidInput(
             f"the map has several attractors: the exponent is {least:.6g} from θ = "
-            f"{_STARTS[low]:.4f}, {most:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
+            f"{_STARTS[exponents.index(least)]:.4f}, {most:.6g} from "
+            f"{_STARTS[exponents.index(most)]:.4f}; give the start that is meant"
         )
     best = min(exponents, key=lambda exponent: exponent.error_bound)
     known = [each for each in exponents if each != best and np.isfinite(each.error_bound)]

@@ -13,6 +13,7 @@ from cyclemap.checks import non_negative_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
+from cyclemap.maps.lifts.lift_checks import within_turn
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.orbits.orbit_means import ITERATES, FollowedOrbit, birkhoff_average
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
@@ -354,10 +355,8 @@ def _locking_proof(
         theta = start
         turns = np.zeros(start.shape)
         for _ in range(ratio.denominator):
-            image = circle_map(theta) - side * push
-            lap = np.floor(image / TWO_PI)
-            theta = image - TWO_PI * lap
-            turns = turns + lap
+            theta, laps = within_turn(circle_map(theta) - side * push)
+            turns = turns + laps
         wanted = side * ((theta - start) + TWO_PI * (turns - ratio.numerator))
         best = np.argmax(wanted, axis=1)
         most = np.max(wanted, axis=1)

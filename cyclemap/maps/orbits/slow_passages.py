@@ -144,13 +144,8 @@ def slow_passages(
     )
     near &= curvature * gap > 0.0  # else too flat for a parabola
     passages = []
-    for place, turns, least, bend in zip(
-        theta[near].tolist(),
-        whole[near].tolist(),
-        gap[near].tolist(),
-        curvature[near].tolist(),
-        strict=True,
-    ):
+    columns = (column[near].tolist() for column in (theta, whole, gap, curvature))
+    for place, turns, least, bend in zip(*columns, strict=True):
         cycles = float(n * np.pi / np.sqrt(bend * least))
         if cycles >= LEAST_CYCLES:
             width = float(np.sqrt(least / bend))
@@ -168,12 +163,11 @@ def _near_misses(
     is small.
     """
     rising = is_rising(cells)
-    least = rising & ~np.roll(rising, 1)
     place = np.flatnonzero((rising != np.roll(rising, 1)) & ~cells.cut)
     place = place[is_continuous(cells)[place]]
     theta = cells.start[place]
     g = cells.g_start[place]
-    least = least[place]
+    least = rising[place]
     line = np.where(least, np.floor(g / TWO_PI), np.ceil(g / TWO_PI)).astype(np.int64)
     whole = line if wanted is None else np.full(place.size, wanted)
     gap, _, _ = displacement(circle_map, theta, cells.period, whole)
