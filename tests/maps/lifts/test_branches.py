@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, branches, preimages, upper_envelope
+from cyclemap.maps import CircleMap, branches, preimages
 from tests.maps.known_maps import TWO_PI, agree, apart, lines
 from tests.refusals import refused
 
@@ -76,19 +76,12 @@ def test_kinks_cut_only_where_the_direction_changes_and_plateaus_and_jumps_alway
     assert bent.breaks.size == 2 and len(branches(bent)) == 1
 
 
-def test_the_upper_envelope_of_a_folded_map_has_one_plateau_as_a_branch_of_its_own():
-    made = upper_envelope(CircleMap.arnold(0.1, 2.5))
-    flat, rising = sorted(branches(made), key=lambda part: part.direction)
-    assert (flat.direction, rising.direction) == (0, 1)
-    agree([flat.start, flat.end - TWO_PI], made.breaks[::-1], 1e-11)
-    refused(flat.inverse, flat.start_value, told="a plateau has no inverse")
-
-
 def test_values_outside_a_branch_and_levels_of_plateaus_are_refused():
     rising = branches(CircleMap.arnold(0.2, 2.0))[0]
     outside = r"value 9 is outside the branch: F runs from 0\.57"
     refused(rising.inverse, [2.0, 9.0], told=outside)
     refused(rising.inverse, np.nan, told="finite")
+    refused(branches(ZIGZAG)[3].inverse, 2.0, told="a plateau has no inverse")
     refused(preimages, ZIGZAG, 2.0, told=r"along \[2.5, 3.5\]: the preimages cannot be listed")
     assert preimages(ZIGZAG, 2.0 + 1e-9).size >= 1
     refused(preimages, ZIGZAG, np.inf, told="angle")

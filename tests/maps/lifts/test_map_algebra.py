@@ -9,7 +9,6 @@ from cyclemap.maps import (
     conjugate,
     inverse,
     nth_iterate,
-    shifted,
     upper_envelope,
 )
 from tests.maps.known_maps import TWO_PI, agree, apart, lines
@@ -161,15 +160,6 @@ def test_conjugation_is_rotation_after_map_after_rotation_back(f, angle):
     agree(made.breaks, np.sort(np.mod(f.breaks + angle, TWO_PI)), 1e-14)
     agree(made.right(made.breaks), made(made.breaks), 1e-13)
     assert made.samples == f.samples and (made.pieces is None) == (f.pieces is None)
-
-
-def test_a_shifted_lift_is_whole_turns_higher_and_nothing_else():
-    for f in (CircleMap.arnold(0.05, 0.9), sampled(1), straight(7)):
-        up = shifted(f, 3)
-        agree(up(GRID), f(GRID) + 3 * TWO_PI, 2e-14)
-        agree(up.derivative(GRID), f.derivative(GRID), 2e-14)
-        agree(up.scalar()(1.0), f.scalar()(1.0) + 3 * TWO_PI, 1e-13)
-        assert np.array_equal(up.breaks, f.breaks) and up.samples == f.samples
 
 
 @pytest.mark.parametrize("f", INJECTIVE)

@@ -15,7 +15,6 @@ from cyclemap.maps import (
     periodic_orbits,
     rotation_interval,
     rotation_number,
-    tongue,
     upper_envelope,
 )
 from cyclemap.maps.orbits.envelopes import largest_descent
@@ -32,16 +31,6 @@ def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     assert found.lower <= truth <= found.upper < found.lower + 1e-8
     assert (found.locked, found.proof) == (None, None)
     assert abs(found.estimate - truth) <= found.estimate.error_bound < 1e-14
-
-
-@pytest.mark.parametrize(("p", "q", "strength"), [(0, 1, 0.9), (1, 2, 0.9), (1, 3, 1.0)])
-def test_the_sine_map_is_locked_just_as_far_as_its_tongues_reach(p, q, strength):
-    edges = tongue(lambda omega: CircleMap.arnold(omega, strength), (p, q), (-0.5, 1.5))
-    for side, edge in ((-1, edges.left), (1, edges.right)):
-        inside, outside = (CircleMap.arnold(edge + off * side, strength) for off in (-1e-7, 1e-4))
-        found, beyond = rotation_number(inside), rotation_number(outside)
-        assert found.locked == Fraction(p, q) and found.lower <= p / q <= found.upper
-        assert beyond.locked != Fraction(p, q) and (beyond.value - p / q) * side > 0
 
 
 @pytest.mark.slow
