@@ -4,6 +4,7 @@ on all of them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -208,6 +209,13 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
         ends = [float(column[place]) for column in (theta, value) for place in (0, -1)]
         made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
     return tuple(made)
+
+
+def seams(parts: tuple[Branch, ...], degree: int) -> Iterator[tuple[Branch, Branch, float]]:
+    """Each branch, the one after it, and by how much F jumps up between them, radians."""
+    for branch, after in zip(parts, (*parts[1:], parts[0]), strict=True):
+        climb = TWO_PI * degree if after is parts[0] else 0.0
+        yield branch, after, after.start_value + climb - branch.end_value
 
 
 def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:

@@ -17,7 +17,7 @@ from cyclemap.arrays import TWO_PI, Array, even_angles
 from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT
-from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches
+from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, seams
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
@@ -380,12 +380,9 @@ def inverse(circle_map: CircleMap) -> CircleMap:
         )
     parts = branches(circle_map)
     hint = "it has no inverse; branches inverts each monotone piece"
-    for i, branch in enumerate(parts):
+    for branch, after, jump in seams(parts, degree):
         if branch.direction == -degree:
             raise InvalidInput(f"F turns back on [{branch.start:.9g}, {branch.end:.9g}]: {hint}")
-        after = parts[(i + 1) % len(parts)]
-        lap = (i + 1) // len(parts)
-        jump = after.start_value + TWO_PI * degree * lap - branch.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
     lift, breaks = _inverse_lift(circle_map, parts)

@@ -248,12 +248,13 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
         + LIFT * np.abs(after)
         + np.where(joined[special], np.abs(after - before), 0.0)
     )
-    gap = np.minimum(_gap(after), _gap(before))
+    gap_after = _gap(after)
+    gap_before = _gap(before)
+    gap = np.minimum(gap_after, gap_before)
     # A touch of an iterate makes touches of the extrema next to its images: their tolerances are
     # raised.
     touches = gap <= allowed
     nodes = cells.start[special]
-    raised = allowed.copy()
     image = nodes[touches]
     stretch = np.ones(np.count_nonzero(touches))
     reach = 4.0 * (gap + allowed)[touches]
@@ -262,13 +263,11 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
         image = np.mod(circle_map(image), TWO_PI)
         near, mate = nearest_on_circle(nodes, image)
         same = (np.abs(near - image) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
-        raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
-    allowed = raised
+        met = mate[same]
+        allowed[met] = np.maximum(allowed[met], 1.01 * gap[met])
     tolerance[2 * special] = allowed
     tolerance[2 * special - 1] = allowed
-    ends = np.concatenate(
-        [2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1]
-    )
+    ends = np.append(2 * special[gap_after <= allowed], 2 * special[gap_before <= allowed] - 1)
     return tolerance, np.mod(ends, 2 * cells.start.size)
 
 

@@ -13,7 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
-from cyclemap.maps.lifts.branches import Branch, branches
+from cyclemap.maps.lifts.branches import Branch, branches, seams
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import JUMP
 
@@ -241,9 +241,8 @@ def _folds(circle_map: CircleMap) -> Folds:
     """The branches, or InvalidInput where they do not join."""
     require_map(circle_map)
     parts = branches(circle_map)
-    for branch, after in zip(parts, (*parts[1:], parts[0]), strict=True):
-        climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0
-        if branch.direction == 0 or abs(branch.end_value - after.start_value - climb) > JUMP:
+    for branch, _, jump in seams(parts, circle_map.degree):
+        if branch.direction == 0 or abs(jump) > JUMP:
             raise InvalidInput(
                 f"F jumps or is constant near θ = {branch.end % TWO_PI:.6g}: entropy is computed "
                 "for continuous lifts without plateaus"

@@ -9,7 +9,7 @@ from math import ceil
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, stretches
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.branches import cell_limits
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
@@ -175,10 +175,9 @@ def _plateaus(
     value = (values + laps).ravel()
     highest = np.maximum.accumulate(value)
     under = value < highest - SLACK
-    first = np.flatnonzero(under[1:] & ~under[:-1])
-    after = np.flatnonzero(under[:-1] & ~under[1:]) + 1
-    after = after[after > first[0]] if first.size else after[:0]
-    first = first[: after.size]
+    runs = [run for run in stretches(under) if run[0] > 0 and run[1] < under.size]
+    first, after = np.reshape(runs, (-1, 2)).astype(np.int64).T
+    first = first - 1
     begins = theta[first]
     keep = (begins >= nodes[0]) & (begins < nodes[0] + TWO_PI)
     first, after, level = first[keep], after[keep], highest[first[keep]]
