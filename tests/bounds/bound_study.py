@@ -79,13 +79,8 @@ def _judge(
         case.map.derivative(np.linspace(0.0, 2 * np.pi, 50_000)) > 0.01
     ):
         exponent = lyapunov_exponent(case.map, case.noise)
-        found.judge(
-            "exponent",
-            where,
-            abs(exponent - dense_exponent(case, dense)),
-            exponent.error_bound,
-            1e-12,
-        )
+        error = abs(exponent - dense_exponent(case, dense))
+        found.judge("exponent", where, error, exponent.error_bound, 1e-12)
 
 
 def table(found: BoundStudy) -> str:

@@ -3,7 +3,7 @@ ones in longer floats: errors over bounds.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from cyclemap.maps import (
     follow_bifurcation,
 )
 from tests.bounds.bound_study import BoundStudy
-from tests.bounds.random_families import LONG, RandomFamily, random_family, root
+from tests.bounds.random_families import LONG, RandomFamily, Unknowns, random_family, root
 
 _RESOLUTION = 6
 _FOLLOWED = 0.5  # of the families: that one of their curves is followed
@@ -63,17 +63,23 @@ def _judge(found: BoundStudy, family: RandomFamily, where: str, rng: np.random.G
         _judge_special(found, family, curve, special, where)
 
 
+def _roots(
+    family: RandomFamily, kind: str, near: Unknowns, free: int
+) -> Iterator[tuple[Unknowns, float]]:
+    """The roots nearest to what was found, from either side of a break that it lies on."""
+    for side in (1, -1) if kind.startswith("border") else (0,):
+        solved = root(family.equations(kind, near, side), near, free)
+        if solved is not None:
+            yield solved
+
+
 def _judge_start(
     found: BoundStudy, family: RandomFamily, start: Bifurcation, height: float, where: str
 ) -> None:
     if start.kind == "branch point" or (family.sampled and start.kind != "saddle-node"):
         return
     near = np.array([start.theta, float(start.parameter), height], dtype=LONG)
-    errors = []
-    for side in (1, -1) if start.kind == "border-collision" else (0,):
-        solved = root(family.equations(start.kind, near, side), near, 2)
-        if solved is not None:
-            errors.append(float(abs(solved[0][1] - near[1])))
+    errors = [float(abs(at[1] - near[1])) for at, _ in _roots(family, start.kind, near, 2)]
     found.judge(start.kind, where, min(errors, default=np.inf), start.parameter.error_bound)
 
 
@@ -84,12 +90,9 @@ def _judge_point(
     member = family(*near[1:].astype(float))
     slope_error = float(np.max(member.derivative_and_error(curve.points[place])[1]))
     ratios = [(np.inf, 0.0)]
-    for side in (1, -1) if curve.kind == "border-collision" else (0,):
-        solved = root(family.equations(curve.kind, near, side), near, 3)
-        if solved is not None:
-            at, moved = solved
-            allowed = moved * (_ROUNDING + family.period * slope_error)
-            ratios.append((float(np.linalg.norm(at - near)), allowed))
+    for at, moved in _roots(family, curve.kind, near, 3):
+        allowed = moved * (_ROUNDING + family.period * slope_error)
+        ratios.append((float(np.linalg.norm(at - near)), allowed))
     found.judge(f"curve of {curve.kind}", where, *min(ratios))
 
 
@@ -107,11 +110,8 @@ def _judge_special(
     nearest = np.full(2, np.inf)
     for theta in special.points:
         near = np.array([theta, float(special.first), float(special.second)], dtype=LONG)
-        for side in (1, -1) if special.kind.startswith("border") else (0,):
-            solved = root(family.equations(special.kind, near, side), near, 3)
-            if solved is None:
-                continue
-            errors = np.abs(solved[0] - near)[1:].astype(float)
+        for at, _ in _roots(family, special.kind, near, 3):
+            errors = np.abs(at - near)[1:].astype(float)
             if np.max(errors / bounds) < np.max(nearest / bounds):
                 nearest = errors
     for error, bound in zip(nearest.tolist(), bounds.tolist(), strict=True):
