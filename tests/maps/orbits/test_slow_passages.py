@@ -48,7 +48,7 @@ def test_the_sine_maps_bottleneck_has_the_closed_form(gap):
 
 
 @pytest.mark.parametrize("make", [outside, lopsided])
-@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("gap", [1e-2, 1e-5, 1e-6])
 def test_counted_iterates_across_the_bottleneck_confirm_the_relative_error(make, gap):
     (found,) = slow_passages(make(gap))
     reach = REACH * found.width
@@ -83,8 +83,10 @@ def test_what_the_parabola_misses_and_what_rounding_hides_is_in_the_relative_err
         exact = exact_cycles(0.5, omega, found.theta - reach, found.theta + reach)
         parabola = 2 * atan(REACH) / sqrt(found.curvature * found.gap)
         off = abs(float(exact / parabola - 1))
-        slack = 2 * found.curvature * reach / parabola + 1e-14 / found.gap
-        assert off <= found.relative_error * (1 + 1e-5) <= 1.01 * off + slack
+        # Of a path that is followed the share of the last cycle is unknown.
+        unknown = 2 * found.curvature * reach / parabola if parabola < 1000 else 0.0
+        most = 1.01 * off + unknown + 1e-14 / found.gap
+        assert off <= found.relative_error * (1 + 1e-5) <= most
 
 
 @pytest.mark.parametrize("distance", [1e-4, 1e-8])
