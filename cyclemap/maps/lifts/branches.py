@@ -311,8 +311,14 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     """
     roots = [np.zeros(0)]
     plateaus = [np.zeros(0)]
-    for index, branch in enumerate(parts):
-        start, end = _ends(parts, index, angles, degree)
+    for index, (branch, after, jump) in enumerate(seams(parts, degree)):
+        start = _turns_to(
+            branch.start_value, angles, parts[index - 1].direction != branch.direction
+        )
+        end = _turns_to(branch.end_value, angles, False)
+        if abs(jump) <= JUMP:  # both branches count from the same rounding
+            end = _turns_to(after.start_value, angles, branch.direction != after.direction)
+            end = end + degree * (after is parts[0])
         if branch.direction == 0:
             if np.any(start == np.round(start)):
                 plateaus.append(np.array([branch.start, branch.end]))
@@ -326,22 +332,6 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
         # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
         roots.append(branch.table.inverse(angles[owner] + TWO_PI * whole))
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
-
-
-def _ends(parts: tuple[Branch, ...], index: int, angles: Array, degree: int) -> tuple[Array, Array]:
-    """The turns from each angle to F at the branch's start and at its end.
-
-    Where two branches meet without a jump, both count from the same rounding, so nothing is lost or
-    doubled.
-    """
-    branch = parts[index]
-    lap = (index + 1) // len(parts)
-    after = parts[(index + 1) % len(parts)]
-    start = _turns_to(branch.start_value, angles, parts[index - 1].direction != branch.direction)
-    if abs(branch.end_value - after.start_value - TWO_PI * degree * lap) > JUMP:
-        return start, _turns_to(branch.end_value, angles, False)
-    end = _turns_to(after.start_value, angles, branch.direction != after.direction)
-    return start, end + degree * lap
 
 
 def _turns_to(value: float, angles: Array, turns_back: bool) -> Array:

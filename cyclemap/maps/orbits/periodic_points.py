@@ -219,9 +219,8 @@ def _all_roots(scan: DiagonalScan) -> tuple[Array, Whole, Whole]:
     start, end = scan.turns.reshape(-1, 2).T
     cell = np.flatnonzero(start != end)
     theta, whole, _ = solved(scan.map, scan.cells, cell, np.float64(0.0), start[cell], end[cell])
-    listed = [scan.kink, scan.touch, scan.border]
-    marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
-    role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
+    marked = np.reshape([*scan.kink, *scan.touch, *scan.border], (-1, 2))
+    role = np.repeat(np.arange(4), [theta.size, len(scan.kink), len(scan.touch), len(scan.border)])
     theta = np.concatenate([theta, marked[:, 0]])
     whole = np.concatenate([whole, np.round(marked[:, 1]).astype(np.int64)])
     beyond = theta >= TWO_PI
