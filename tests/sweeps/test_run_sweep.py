@@ -217,7 +217,7 @@ if __name__ == "__main__":
 def start(folder: Path, path: Path, log: Path, seconds=0.02, workers=2) -> subprocess.Popen:
     script = folder / "sweep.py"
     script.write_text(SCRIPT)
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, *map(str, (script, path, ROWS, seconds, log, workers))]
     return subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
 

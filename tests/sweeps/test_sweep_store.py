@@ -149,7 +149,7 @@ except StoreWriteError as error:
 @pytest.mark.slow
 def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
     """A limit on the size of files stands for the disk: SQLite meets a refused write in both."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-c", FULL_DISK, str(path), "250000"]
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert "cannot be written" in ended.stdout
