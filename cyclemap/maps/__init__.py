@@ -144,8 +144,10 @@ if TYPE_CHECKING:
         WrappedCauchy as WrappedCauchy,
         WrappedNormal as WrappedNormal,
     )
-    from cyclemap.maps.operator.metastability import MetastableSet as MetastableSet
-    from cyclemap.maps.operator.spectrum import Spectrum as Spectrum
+    from cyclemap.maps.operator.spectrum import (
+        MetastableSet as MetastableSet,
+        Spectrum as Spectrum,
+    )
     from cyclemap.maps.operator.transfer_operator import (
         TransferOperator as TransferOperator,
         transfer_operator as transfer_operator,
@@ -209,10 +211,11 @@ if TYPE_CHECKING:
         sample_staircase as sample_staircase,
         sample_staircases as sample_staircases,
     )
-    from cyclemap.maps.staircases.step_comparison import (
+    from cyclemap.maps.staircases.steps import (
         StepComparison as StepComparison,
+        Steps as Steps,
         compare_steps as compare_steps,
+        find_steps as find_steps,
     )
-    from cyclemap.maps.staircases.step_detection import Steps as Steps, find_steps as find_steps
 else:
     import_on_first_use(__name__)

@@ -257,11 +257,7 @@ class PortraitNumbers:
 
     def described(self) -> dict[str, object]:
         """The groups and tolerances: what else the numbers depend on, as JSON takes it."""
-        return {
-            "groups": list(self.groups),
-            "tolerance": self.tolerance,
-            "rotation_tolerance": self.rotation_tolerance,
-        }
+        return asdict(self)
 
     def __call__(self, point: SweptPoint) -> PointOutcome:
         """Find the numbers; what the loop or a group refuses is told in the outcome."""

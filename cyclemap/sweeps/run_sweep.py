@@ -281,17 +281,13 @@ class _Run:
             self.point_seconds = (
                 each if self.point_seconds is None else 0.5 * (self.point_seconds + each)
             )
+            stored = self.status.stored + len(outcomes)
             refused = sum(bool(outcome.refusal) for _, outcome in outcomes)
-            before = self.status
-            self.status = SweepStatus(
-                before.points, before.stored + len(outcomes), before.refused + refused
-            )
+            self.status = SweepStatus(len(self.plan), stored, self.status.refused + refused)
             self.progress(self.status)
 
     def _cancel(self) -> None:
-        for future in list(self.waiting):
-            if future.cancel():
-                self.waiting.discard(future)
+        self.waiting = {future for future in self.waiting if not future.cancel()}
 
     def _chunks(self) -> Iterator[tuple[SweptPoint, ...]]:
         """The points that are not stored, in order, in chunks as long as points are quick.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -109,9 +109,7 @@ class Sweep:
         quantity = self.quantity(name)
         if quantity.many:
             raise InvalidInput(f"{name} has any number of values a point: it has no grid")
-        grid = np.full(self.shape, np.nan)
-        grid[self.places()] = self.table[quantity.name]
-        return grid
+        return _spread(self, self.table[quantity.name].to_numpy(), np.nan)
 
     def places(self) -> tuple[NDArray[np.int64], ...]:
         """Where each point stands along each axis, (n,) an axis."""
@@ -311,6 +309,15 @@ def _word(value: object) -> str:
     return str(value) if isinstance(value, (float, str)) else json.dumps(value)
 
 
+def _spread(sweep: Sweep, values: NDArray[Any], empty: object) -> NDArray[Any]:
+    """What the points have, (n, ...), at their places on the grid; of a sample a copy."""
+    if not sweep.axes:
+        return values.copy()
+    grid = np.full((*sweep.shape, *values.shape[1:]), empty, dtype=values.dtype)
+    grid[sweep.places()] = values
+    return grid
+
+
 def _padded(sweep: Sweep, quantity: Quantity) -> Array:
     """The lists of the points as files have them, (n, longest), nan behind their ends."""
     lists = sweep.table[quantity.name]
@@ -354,29 +361,23 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     import xarray
 
     dimensions = tuple(axis.key for axis in sweep.axes) or ("point",)
-    shape = sweep.shape if sweep.axes else (len(sweep),)
-    at = sweep.places() if sweep.axes else (np.arange(len(sweep)),)
     variables: dict[str, object] = {}
     for quantity in sweep.quantities:
         attributes = {"units": quantity.written_unit, "long_name": quantity.meaning}
         if not quantity.many:
-            values = np.full(shape, np.nan)
-            values[at] = quantity.written(sweep.table[quantity.name])
+            values = _spread(sweep, quantity.written(sweep.table[quantity.name]), np.nan)
             variables[quantity.written_name] = (dimensions, values, attributes)
             continue
-        rows = _padded(sweep, quantity)
-        padded = np.full((*shape, rows.shape[-1]), np.nan)
-        padded[at] = rows
-        count = np.zeros(shape, dtype=np.int64)
-        count[at] = sweep.table[quantity.name].map(len)
+        padded = _spread(sweep, _padded(sweep, quantity), np.nan)
+        lengths = sweep.table[quantity.name].map(len).to_numpy(dtype=np.int64)
+        count = _spread(sweep, lengths, 0)
         about = {
             "units": "1",
             "long_name": f"how many {quantity.many.replace('_', ' ')}s there are",
         }
         variables[quantity.written_name] = ((*dimensions, quantity.many), padded, attributes)
         variables[f"{quantity.many}_count"] = (dimensions, count, about)
-    refusal = np.full(shape, "", dtype=object)
-    refusal[at] = sweep.table[REFUSAL]
+    refusal = _spread(sweep, sweep.table[REFUSAL].to_numpy(dtype=object), "")
     variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})
     return xarray.Dataset(
         variables,

@@ -405,27 +405,22 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "maps/staircases/step_comparison.py": (
-        STAIRCASES,
+    "maps/staircases/steps.py": (
+        f"{STAIRCASES} tests/calibration/test_small_calibration.py",
         [
+            ("return self.end - self.start + 1", "return self.end - self.start"),
+            ("kept = inside[first] & (deep[last + 1] > deep[first])", "kept = inside[first]"),
+            ("if max(contrast, default=0.0) < _CONTRAST:", "if max(contrast, default=0.0) < 0.0:"),
             ("within = 2.0 * float(np.mean(steps.scatter**2))", "within = 0.0"),
             (
                 "alive = np.cumprod(1.0 - ended / at_risk)",
-                "alive = np.cumprod(1.0 - ended / values.size)",
+                "alive = np.cumprod(1.0 - ended / lengths.size)",
             ),
             (
                 "return min(1.0, 2.0 * min(middle, 1.0 - middle))",
                 "return min(1.0, min(middle, 1.0 - middle))",
             ),
             ("exposure / exits**1.5", "exposure / exits"),
-        ],
-    ),
-    "maps/staircases/step_detection.py": (
-        STAIRCASES,
-        [
-            ("return self.end - self.start + 1", "return self.end - self.start"),
-            ("kept = inside[first] & (deep[last + 1] > deep[first])", "kept = inside[first]"),
-            ("if max(contrast, default=0.0) < _CONTRAST:", "if max(contrast, default=0.0) < 0.0:"),
         ],
     ),
     "collection/adaptive_map.py": (

@@ -38,34 +38,17 @@ def test_every_float_comes_back_as_it_went(path) -> None:
     """Not a number, infinities, zeros, subnormals and numbers of 17 digits."""
     plan = fake_plan()
     kept = (0.1 + 0.2, np.inf, -np.inf, 5e-324, 1.7976931348623157e308)
+    values = {"rotation": kept[0], "rotation_lower": np.inf, "rotation_upper": np.nan}
     with SweepStore(path, plan) as store:
-        values = {
-            "rotation": kept[0],
-            "rotation_lower": np.inf,
-            "rotation_upper": np.nan,
-            "fixed_point_theta": kept,
-        }
-        store.add([(plan.point(3), PointOutcome(values, "partly refused: 'θ'"))])
+        outcome = PointOutcome({**values, "fixed_point_theta": kept}, "partly refused: 'θ'")
+        store.add([(plan.point(3), outcome)])
+        store.add([(plan.point(3), PointOutcome({"rotation": 2.0}))])  # a point is kept once
         assert store.status().stored == store.status().refused == 1
-    found = load_sweep(path)
-    assert found.table["rotation"].tolist() == [0.1 + 0.2]
-    assert found.table["rotation_lower"].tolist() == [np.inf]
-    assert (
-        np.isnan(found.table["rotation_upper"]).all()
-        and np.isnan(found.table["locked_period"]).all()
-    )
-    assert tuple(found.table["fixed_point_theta"][0].tolist()) == kept
-    assert found.table["refusal"].tolist() == ["partly refused: 'θ'"]
-    assert found.table["number"].tolist() == [3]
-
-
-def test_a_point_is_kept_once(path) -> None:
-    plan = fake_plan()
-    with SweepStore(path, plan) as store:
-        for rotation in (1.0, 2.0):
-            store.add([(plan.point(0), PointOutcome({"rotation": rotation}))])
-        assert store.status().stored == 1
-    assert load_sweep(path).table["rotation"].tolist() == [1.0]
+    row = load_sweep(path).table.iloc[0]
+    assert (row["rotation"], row["rotation_lower"]) == (0.1 + 0.2, np.inf)
+    assert np.isnan([row["rotation_upper"], row["locked_period"]]).all()
+    assert tuple(row["fixed_point_theta"].tolist()) == kept
+    assert (row["refusal"], row["number"]) == ("partly refused: 'θ'", 3)
 
 
 def test_anyone_can_ask_it_in_sql(path) -> None:
@@ -75,8 +58,7 @@ def test_anyone_can_ask_it_in_sql(path) -> None:
     found = [number for (number,) in connection.execute(asked)]
     mode = connection.execute("PRAGMA journal_mode").fetchone()[0]
     connection.close()
-    assert found == [4, 5, 6, 8, 9, 10, 12, 13, 14, 16, 17, 18]
-    assert mode == "wal"
+    assert (found, mode) == ([4, 5, 6, 8, 9, 10, 12, 13, 14, 16, 17, 18], "wal")
 
 
 def test_the_store_of_another_plan_is_refused_and_left_alone(path) -> None:
@@ -100,8 +82,7 @@ def written_to(path, statement) -> None:
 
 
 def test_a_damaged_or_foreign_file_is_refused_by_name(path) -> None:
-    """One number changed, in a file that is otherwise sound; another database;
-    no database at all."""
+    """One number changed in a file that is otherwise sound; another database; none at all."""
     full_store(path, rows=60)
     written_to(path, "UPDATE points SET rotation = 0.5 WHERE number = 7")
     for told in (
@@ -136,13 +117,8 @@ def test_a_folder_is_no_store_and_a_store_that_cannot_be_made_is_a_write_error(t
     for plan in (None, fake_plan()):
         refused(SweepStore, tmp_path, plan, told="is a folder", kind=DataFileError)
     (tmp_path / "file").write_text("")
-    refused(
-        SweepStore,
-        tmp_path / "file" / "a.sqlite",
-        fake_plan(),
-        told="cannot be written",
-        kind=StoreWriteError,
-    )
+    path, told = tmp_path / "file" / "a.sqlite", "cannot be written"
+    refused(SweepStore, path, fake_plan(), told=told, kind=StoreWriteError)
 
 
 def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
@@ -150,12 +126,10 @@ def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
     monkeypatch.setattr("cyclemap.sweeps.sweep_store._PATIENCE_SECONDS", 0.05)
     holder = sqlite3.connect(path, isolation_level=None)
     holder.execute("BEGIN IMMEDIATE")
-    plan = fake_plan()
-    with (
-        SweepStore(path, plan) as store,
-        pytest.raises(StoreWriteError, match="held by another process"),
-    ):
-        store.add([(plan.point(0), PointOutcome({}))])
+    plan, told = fake_plan(), "held by another process"
+    with SweepStore(path, plan) as store:
+        added = [(plan.point(0), PointOutcome({}))]
+        refused(store.add, added, told=told, kind=StoreWriteError)
     holder.close()
 
 
@@ -174,15 +148,12 @@ except StoreWriteError as error:
 
 @pytest.mark.slow
 def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
-    """A limit on the size of files stands for the disk:
-    SQLite meets a refused write in both cases."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    """A limit on the size of files stands for the disk: SQLite meets a refused write in both."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-c", FULL_DISK, str(path), "250000"]
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    assert (
-        "cannot be written" in ended.stdout
-        and "make room, then run the same sweep again" in ended.stdout
-    )
+    assert "cannot be written" in ended.stdout
+    assert "make room, then run the same sweep again" in ended.stdout
     kept, log, plan = load_sweep(path), tmp_path / "log", fake_plan(rows=300)
     assert 100 < len(kept) < 1200
     object.__setattr__(plan, "numbers", FakeNumbers(log=str(log)))
@@ -192,51 +163,36 @@ def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path
     assert whole.table["number"].tolist() == list(range(1200))
 
 
-def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path) -> None:
-    full_store(path)
-    whole = path.read_bytes()
-    for cut in (1, 100, 4096, 5000):
-        path.write_bytes(whole[:-cut])
-        refused(sweep_status, path, told="damaged", kind=DataFileError)
-
-
 @pytest.mark.slow
 def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
-    """Wherever it falls: in SQLite's structure, the description, a row, or in room that is not
-    used.
-    """
+    """Wherever it falls: in SQLite's structure, the description, a row, or in unused room."""
     full_store(path)
     whole, before, outcomes = path.read_bytes(), load_sweep(path), {True: 0, False: 0}
     chance, damaged = np.random.default_rng(5), tmp_path / "damaged.sqlite"
-    for place in chance.integers(len(whole), size=300).tolist():
-        damaged.write_bytes(
-            whole[:place]
-            + bytes([whole[place] ^ int(chance.integers(1, 256))])
-            + whole[place + 1 :]
-        )
+    for cut in (1, 100, 4096, 5000):
+        damaged.write_bytes(whole[:-cut])
+        refused(sweep_status, damaged, told="damaged", kind=DataFileError)
+    for place in chance.integers(len(whole), size=100).tolist():
+        flipped = bytes([whole[place] ^ int(chance.integers(1, 256))])
+        damaged.write_bytes(whole[:place] + flipped + whole[place + 1 :])
         try:
             found = load_sweep(damaged)
         except DataFileError as error:
             assert str(damaged) in str(error)
             outcomes[False] += 1
             continue
-        assert (
-            found.description == before.description
-            and found.table["number"].tolist() == before.table["number"].tolist()
-        )
-        assert all(
-            np.array_equal(found.table[name], before.table[name], True)
-            for name in before.table.select_dtypes("number")
-        )
+        assert found.description == before.description
+        numbers = [one.table.select_dtypes("number") for one in (found, before)]
+        assert numbers[0].equals(numbers[1])
         outcomes[True] += 1
-    assert min(outcomes.values()) > 20
+    assert min(outcomes.values()) > 10
 
 
 @pytest.mark.slow
 def test_sweeps_that_begin_together_share_one_healthy_store(path) -> None:
-    """Four processes open a store that is not there at the same moment, three times over."""
+    """Four processes open a store that is not there at the same moment, twice over."""
     with ProcessPoolExecutor(4, mp_context=multiprocessing.get_context("spawn")) as pool:
         assert list(pool.map(time.sleep, [2.0] * 4)) == [None] * 4
-        for number in range(3):
+        for number in range(2):
             found = pool.map(opened, [path.with_name(f"{number}.sqlite")] * 4)
             assert list(found) == [len(fake_plan())] * 4

@@ -99,9 +99,7 @@ class ParametricLift:
         """
         if self.nondecreasing is not None:
             size = np.broadcast_shapes(*(np.shape(p) for p in parameters))
-            return np.array(
-                np.broadcast_to(np.asarray(self.nondecreasing(*parameters), dtype=bool), size)
-            )
+            return np.broadcast_to(np.asarray(self.nondecreasing(*parameters), bool), size).copy()
         lower = formula_values("lift", self.lift, _ANGLES[:1], *parameters)
         rising = np.ones(np.shape(lower), dtype=bool)
         for theta in _ANGLES[1:]:
@@ -140,14 +138,12 @@ MOEBIUS_FAMILY = ParametricLift(
 """The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters as of ``CircleMap.moebius``."""
 
 
-_KNOWN = ARNOLD_FAMILY, MOEBIUS_FAMILY
-
-
 def parametric_form(family: Family) -> ParametricLift | None:
     """The formula for many parameters at once that a family is known by, or None."""
     if isinstance(family, ParametricLift):
         return family
-    return next((known for known in _KNOWN if known.circle_map == family), None)
+    known = ARNOLD_FAMILY, MOEBIUS_FAMILY
+    return next((formula for formula in known if formula.circle_map == family), None)
 
 
 def formula_values(
@@ -312,8 +308,7 @@ class ParameterTangent:
         breaks = self.member.breaks
         if breaks.size == 0 or not np.any(motion):
             return np.zeros_like(theta)
-        moved = carried_round(motion, 0.0)
-        return np.interp(theta, carried_round(breaks), moved)
+        return np.interp(theta, carried_round(breaks), carried_round(motion, 0.0))
 
 
 def parameter_tangent(family: Family, p: float, share: float, within: Range) -> ParameterTangent:

@@ -19,14 +19,15 @@ from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise import Noise, require_noise
 from cyclemap.maps.operator.cells import CellLaw, cell_law
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.metastability import MetastableSet, slow_chain
 from cyclemap.maps.operator.poisson_equation import Discretisation, FourierLaw, Function
 from cyclemap.maps.operator.spectrum import (
+    MetastableSet,
     Spectrum,
     leading_spectrum,
     leading_values,
     mixing_time,
     second_modulus,
+    slow_chain,
 )
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 from cyclemap.one_thread import one_thread

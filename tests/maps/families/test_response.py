@@ -42,13 +42,15 @@ def sawtooth(height, place):
     return family
 
 
-def differences(number, p, step):
-    """dn/dp by central differences of fourth order, and twice what a step twice as wide changes."""
+def assert_moves(found, number, p, step):
+    """Against central differences of fourth order, with twice what a step twice as wide changes."""
     near, far = (
         (number(p - 2 * h) - 8 * number(p - h) + 8 * number(p + h) - number(p + 2 * h)) / (12 * h)
         for h in (step, 2 * step)
     )
-    return near, 2 * abs(near - far)
+    doubt = 2 * abs(near - far)
+    assert abs(found - near) <= found.error_bound + doubt
+    return max(found.error_bound, doubt)
 
 
 def test_moments_and_winding_of_the_sine_family_move_as_its_bessel_operator_tells():
@@ -67,20 +69,12 @@ def test_moments_and_winding_of_the_sine_family_move_as_its_bessel_operator_tell
     for function, truth in ((np.cos, first.real), (np.sin, first.imag)):
         value = found.expectation(function)
         assert value.holds(truth) and value.error_bound < 1e-8
-    assert (
-        found.rotation_number.holds(1 - K / TWO_PI * first.imag)
-        and found.rotation_number.error_bound < 1e-9
-    )
+    assert found.rotation_number.holds(1 - K / TWO_PI * first.imag)
+    assert found.rotation_number.error_bound < 1e-9
     theta = np.linspace(0.0, 6.0, 9)
-    shape = (
-        sum(np.exp(1j * k * theta) * part for k, part in zip(m[rest], moved, strict=True)).real
-        / TWO_PI
-    )
+    shape = (np.exp(1j * np.multiply.outer(theta, m[rest])) @ moved).real / TWO_PI
     assert np.max(np.abs(found.density(theta) - shape)) < 1e-9
-
-
-def test_the_stable_direction_moves_as_its_closed_form():
-    ((theta, speed),) = response(sine, 0.1, WrappedNormal(SIGMA), (0.0, 0.2)).stable_points
+    ((theta, speed),) = found.stable_points
     assert abs(np.sin(theta) - TWO_PI * 0.1 / K) < 1e-12
     assert speed.holds(TWO_PI / (K * np.cos(theta))) and speed.error_bound < 1e-8
 
@@ -91,39 +85,34 @@ def test_the_stable_direction_moves_as_its_closed_form():
 )
 def test_passage_times_move_as_their_differences(sigma, arc, lifted):
     noise = WrappedNormal(sigma)
+
+    def time(p):
+        return float(mean_passage_time(sine(p), noise, 0.77, arc, lifted=lifted))
+
     found = response(sine, 0.1, noise, (0.0, 0.2)).mean_passage_time(0.77, arc, lifted=lifted)
-    fair, doubt = differences(
-        lambda p: float(mean_passage_time(sine(p), noise, 0.77, arc, lifted=lifted)), 0.1, 2e-5
-    )
-    assert abs(found - fair) <= found.error_bound + doubt
-    assert found.error_bound < 1e-8 * abs(found) and doubt < 1e-5 * abs(found)
+    assert assert_moves(found, time, 0.1, 2e-5) < 1e-5 * abs(found)
+    assert found.error_bound < 1e-8 * abs(found)
 
 
-@pytest.mark.parametrize("height", [1.0, -1.0])
-@pytest.mark.parametrize(("arc", "lifted"), [((0.0, 2.0), False), ((-0.5, 3.0), True)])
-@pytest.mark.parametrize("place", [lambda p: p, lambda p: 2.0 - p, lambda p: p**3])
+@pytest.mark.parametrize(
+    ("height", "arc", "lifted", "place"),
+    [
+        (1.0, (0.0, 2.0), False, lambda p: p),
+        (-1.0, (-0.5, 3.0), True, lambda p: 2.0 - p),
+        (-1.0, (0.0, 2.0), False, lambda p: p**3),
+        (1.0, (-0.5, 3.0), True, lambda p: p**3),
+    ],
+)
 def test_passage_times_move_as_their_differences_where_a_jump_moves(height, arc, lifted, place):
     family, noise = sawtooth(height, place), WrappedNormal(0.5)
     for start in (0.7, 1.4):
+
+        def time(p, start=start):
+            return float(mean_passage_time(family(p), noise, start, arc, lifted=lifted))
+
         answer = response(family, 1.0, noise, (0.0, 2.0))
         found = answer.mean_passage_time(start, arc, lifted=lifted)
-        fair, doubt = differences(
-            lambda p, s=start: float(mean_passage_time(family(p), noise, s, arc, lifted=lifted)),
-            1.0,
-            2e-4,
-        )
-        assert abs(found - fair) <= found.error_bound + doubt
-        assert max(found.error_bound, doubt) < 1e-4 * abs(found)
-
-
-def test_windings_move_as_their_differences_where_a_jump_moves_unevenly():
-    family, noise = sawtooth(1.0, lambda p: p**3), WrappedNormal(0.5)
-    found = response(family, 1.0, noise, (0.0, 2.0)).rotation_number
-    fair, doubt = differences(
-        lambda p: float(transfer_operator(family(p), noise).rotation_number), 1.0, 2e-4
-    )
-    assert abs(found - fair) <= found.error_bound + doubt
-    assert found.error_bound < 1e-10 and doubt < 1e-10
+        assert assert_moves(found, time, 1.0, 2e-4) < 1e-4 * abs(found)
 
 
 def test_a_jump_that_moves_is_refused_at_the_start_and_at_an_end_of_the_arc():
@@ -134,50 +123,39 @@ def test_a_jump_that_moves_is_refused_at_the_start_and_at_an_end_of_the_arc():
     assert still.mean_passage_time(1.0, (0.0, 2.0)).holds(0.0)
 
 
-def test_windings_of_random_families_move_as_their_differences_and_where_a_jump_wanders():
+def random_family(rng):
+    size, phase = rng.uniform(-0.3, 0.3, 3), rng.uniform(0, TWO_PI, 3)
+    push, order = rng.uniform(-1, 1, 3), np.arange(1, 4)
+
+    def family(p):
+        waves = size + p * push
+
+        def lift(x):
+            return x + p + np.sum(waves * np.sin(np.multiply.outer(x, order) + phase), -1)
+
+        def slope(x):
+            return 1 + np.sum(waves * order * np.cos(np.multiply.outer(x, order) + phase), -1)
+
+        return CircleMap(lift, slope)
+
+    return family
+
+
+def test_windings_move_as_their_differences_for_random_families_and_where_a_jump_wanders():
     rng, noise = np.random.default_rng(11), WrappedNormal(0.5)
+    cases = [(random_family(rng), 0.1, (-0.5, 0.7)) for _ in range(4)]
+    cases += [(wandering_jump, 2.5, (2.0, 3.0)), (sawtooth(1.0, lambda p: p**3), 1.0, (0.0, 2.0))]
+    for family, p, ends in cases:
 
-    def random_family():
-        size, phase, push = (
-            rng.uniform(-0.3, 0.3, 3),
-            rng.uniform(0, TWO_PI, 3),
-            rng.uniform(-1, 1, 3),
-        )
-        order = np.arange(1, 4)
+        def winding(value, family=family):
+            return float(transfer_operator(family(value), noise).rotation_number)
 
-        def family(p):
-            return CircleMap(
-                lambda x: (
-                    x
-                    + p
-                    + np.sum((size + p * push) * np.sin(np.multiply.outer(x, order) + phase), -1)
-                ),
-                lambda x: (
-                    1
-                    + np.sum(
-                        (size + p * push) * order * np.cos(np.multiply.outer(x, order) + phase), -1
-                    )
-                ),
-            )
-
-        return family
-
-    families = [(random_family(), 0.1, (-0.5, 0.7)) for _ in range(8)] + [
-        (wandering_jump, 2.5, (2.0, 3.0))
-    ]
-    for family, p, ends in families:
         found = response(family, p, noise, ends).rotation_number
-        fair, doubt = differences(
-            lambda v, f=family: float(transfer_operator(f(v), noise).rotation_number), p, 1e-3
-        )
-        assert abs(found - fair) <= found.error_bound + doubt
-        assert found.error_bound < 1e-6 and doubt < 1e-6
+        assert assert_moves(found, winding, p, 1e-3) < 1e-6
 
 
 def test_families_known_to_an_error_only_answer_within_their_bounds():
-    """Every map of the family off by so much, each in its own way: the bounds hold the exact one's
-    answers.
-    """
+    """Every map of the family is off by so much, each in its own way."""
     rng, noise, off, within = np.random.default_rng(3), WrappedNormal(SIGMA), 1e-6, (0.0, 0.2)
 
     def nearly(omega):
@@ -196,9 +174,13 @@ def test_families_known_to_an_error_only_answer_within_their_bounds():
 
 
 def test_what_has_no_response_is_refused():
-    refused(response, sine, 0.3, WrappedNormal(SIGMA), (0.0, 0.2), told="outside the parameters")
-    refused(response, sine, 0.1, UniformNoise(1.0), (0.0, 0.2), told="smooth density")
-    waves = response(sine, 0.1, WrappedNormal(SIGMA), (0.0, 0.2))
+    normal = WrappedNormal(SIGMA)
+    for family, at, noise, told in (
+        (sine, 0.3, normal, "outside the parameters"),
+        (sine, 0.1, UniformNoise(1.0), "smooth density"),
+        (CircleMap, 0.1, normal, "callable"),
+    ):
+        refused(response, family, at, noise, (0.0, 0.2), told=told)
+    waves = response(sine, 0.1, normal, (0.0, 0.2))
     refused(waves.expectation, 3, told="function is 3")
     refused(waves.expectation, lambda theta: theta[:3], told="entry by entry")
-    refused(response, CircleMap, 0.1, WrappedNormal(SIGMA), (0.0, 0.2), told="callable")

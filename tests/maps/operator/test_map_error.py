@@ -1,7 +1,5 @@
 """What a map may be off by, ``max_error``, is in the bounds of all that its operator tells."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -58,11 +56,16 @@ def shares(circle_map, noise, epsilon, kinds):
     return largest
 
 
-@pytest.mark.parametrize("share", [1e-4, 0.03, 0.35])
-@pytest.mark.parametrize(
-    "noise", [WrappedNormal(0.25), WrappedCauchy(0.8), VonMises(9.0)], ids=repr
-)
 @pytest.mark.parametrize("circle_map", [LOCKED, FOLDED, WELLS], ids=["locked", "folded", "wells"])
+@pytest.mark.parametrize(
+    ("noise", "share"),
+    [
+        (WrappedNormal(0.25), 1e-4),
+        (WrappedNormal(0.25), 0.35),
+        (WrappedCauchy(0.8), 0.03),
+        (VonMises(9.0), 0.35),
+    ],
+)
 def test_bounds_hold_for_maps_that_are_off_by_a_share_of_the_noise(circle_map, noise, share):
     """However large: where the first order alone would be left behind, too."""
     kinds = TOLD if isinstance(noise, WrappedNormal) else TOLD[:-1]
@@ -72,9 +75,7 @@ def test_bounds_hold_for_maps_that_are_off_by_a_share_of_the_noise(circle_map, n
 
 @pytest.mark.parametrize("circle_map", [LOCKED, FOLDED], ids=["locked", "folded"])
 def test_bounds_are_reached_by_some_small_wave(circle_map):
-    """At a millionth of a radian some wave moves each number by a good part of its bound; a locked
-    map turned as a whole by nearly all of it.
-    """
+    """A locked map turned as a whole reaches nearly all of some."""
     largest = shares(circle_map, WrappedNormal(0.25), 1e-6, TOLD)
     assert min(share for kind, share in largest.items() if kind != "tv") > 0.1
     assert largest["tv"] > 0.05
@@ -82,15 +83,14 @@ def test_bounds_are_reached_by_some_small_wave(circle_map):
         assert min(largest[kind] for kind in ("moment(1)", "winding", "mean", "diffusion")) > 0.95
 
 
-@pytest.mark.parametrize("epsilon", [1e-4, 1e-3])
-def test_eigenvalues_hold_for_maps_that_are_off(epsilon):
+def test_eigenvalues_hold_for_maps_that_are_off():
     """Each of the first five, matched by the nearest; under noise whose density jumps, too."""
-    judged = 0
+    judged, epsilon = 0, 1e-3
     for circle_map in (LOCKED, FOLDED, WELLS):
         for noise in (WrappedNormal(0.3), UniformNoise(0.8)):
             claimed = transfer_operator(CircleMap(circle_map, max_error=epsilon), noise)
             spectrum = claimed.spectrum(5)
-            for order, phase in WAVES:
+            for order, phase in WAVES[::3]:
                 other = transfer_operator(moved(circle_map, epsilon, order, phase), noise)
                 apart = np.abs(spectrum.values[:, None] - other.eigenvalues(12)).min(axis=1)
                 assert np.all(apart <= spectrum.error_bounds + 1e-12)
@@ -98,27 +98,21 @@ def test_eigenvalues_hold_for_maps_that_are_off(epsilon):
     assert judged >= 15
 
 
-@pytest.mark.parametrize("epsilon", [1e-4, 2e-3, 5e-3])
+@pytest.mark.parametrize("epsilon", [1e-4, 5e-3])
 def test_the_worst_map_moves_an_eigenvalue_by_its_bound_and_no_more(epsilon):
-    """Off by ±ε with the signs of wᵀ∂L/∂F v the first order's part is reached, so that only what
-    the second adds keeps the bound above: of λ₂ of two wells, to within a quarter.
-    """
+    """Off by ±ε with the signs of wᵀ∂L/∂F v only the second order keeps the bound of λ₂ above."""
     noise = WrappedNormal(0.5)
     claimed = transfer_operator(CircleMap(EVEN_WELLS, max_error=epsilon), noise)
     spectrum = claimed.spectrum(3)
     basis = claimed.discretisation
     points = np.linspace(0, TWO_PI, 20_000, endpoint=False)
     factors = basis.derived(basis.kappa * spectrum.left[:, 1].real)
-    response = basis.dual(EVEN_WELLS(points), factors) * basis.density(
-        points, spectrum.right[:, 1].real
-    )
+    density = basis.density(points, spectrum.right[:, 1].real)
+    response = basis.dual(EVEN_WELLS(points), factors) * density
     ends = points[np.flatnonzero(np.diff(np.sign(response), append=np.sign(response[0])))]
     assert 2 <= ends.size <= 20
-    sign = np.sign(
-        np.interp(
-            0.5 * (ends + np.append(ends[1:], ends[0] + TWO_PI)), points, response, period=TWO_PI
-        )
-    )
+    middle = 0.5 * (ends + np.append(ends[1:], ends[0] + TWO_PI))
+    sign = np.sign(np.interp(middle, points, response, period=TWO_PI))
     changes = []
     for way in (epsilon, -epsilon):
 
@@ -131,9 +125,7 @@ def test_the_worst_map_moves_an_eigenvalue_by_its_bound_and_no_more(epsilon):
 
 
 def test_the_bound_of_all_eigenvalues_counts_the_maps_error_too():
-    """Of a rotation the operator's norm without its law is |λ₂| itself, so that a bound made of it
-    alone would have no room for the maps beside.
-    """
+    """Of a rotation the operator's norm without its law is |λ₂| itself."""
     noise = WrappedNormal(0.3)
     turning = CircleMap.rigid(0.25)
     basis = transfer_operator(CircleMap(turning, max_error=0.02), noise).discretisation
@@ -146,10 +138,9 @@ def test_the_bound_of_all_eigenvalues_counts_the_maps_error_too():
     assert plain.moved == 0.0
 
 
-@pytest.mark.parametrize("epsilon", [0.02, 0.1])
-def test_a_diffusion_whose_change_no_first_order_tells_has_no_bound(epsilon):
+def test_a_diffusion_whose_change_no_first_order_tells_has_no_bound():
     """Of two equal wells: a map turned as a whole by 0.0875 rad makes it 45 times larger."""
-    claimed = transfer_operator(CircleMap(WELLS, max_error=epsilon), WrappedNormal(0.25))
+    claimed = transfer_operator(CircleMap(WELLS, max_error=0.02), WrappedNormal(0.25))
     assert np.isinf(claimed.diffusion.error_bound)
 
 
@@ -157,10 +148,6 @@ def test_without_a_map_error_bounds_are_of_the_computation_alone():
     exact = transfer_operator(LOCKED, WrappedNormal(0.25))
     assert exact.error_bound < 1e-12 and exact.diffusion.error_bound < 1e-12
     assert exact.spectral_gap.error_bound < 1e-12
-
-
-def turned_cosine(order, shift, theta):
-    return np.cos(order * theta + shift)
 
 
 def worst_change(claimed, function):
@@ -171,20 +158,19 @@ def worst_change(claimed, function):
     shift = basis.map.max_error * np.sign(basis.expected_slope(law.dual(moments)))
     changes = []
     for way in (1, -1):
-        other = FourierLaw(
-            ShiftedDiscretisation(basis.map, basis.noise, basis.modes, 1, way * shift)
-        )
+        beside = ShiftedDiscretisation(basis.map, basis.noise, basis.modes, 1, way * shift)
+        other = FourierLaw(beside)
         changes.append(abs(moments @ (other.coefficients - law.coefficients)))
     return float(max(changes))
 
 
 def test_the_worst_maps_for_a_mean_stay_within_its_bound():
-    """Off by ±ε with the signs of what a mean gains by F, so that the first order's part is reached
-    and both parts of the second are needed; noise and ε up to the noise's own size at random.
+    """Off by ±ε with the signs of what a mean gains by F both parts of the second order are needed;
+    noise and ε up to the noise's own size at random.
     """
     rng = np.random.default_rng(1)
     largest = 0.0
-    for _ in range(10):
+    for _ in range(5):
         turn, steep, second, phase = rng.uniform(-1.0, 1.0, 4)
         sigma = float(rng.choice([0.2, 0.4, 0.8, 1.2]))
 
@@ -194,8 +180,8 @@ def test_the_worst_maps_for_a_mean_stay_within_its_bound():
 
         for epsilon in (0.03 * sigma, 0.3 * sigma, sigma):
             claimed = transfer_operator(CircleMap(lift, max_error=epsilon), WrappedNormal(sigma))
-            for order, shift in ((1, 0.0), (1, 1.5), (2, 0.0), (2, 1.5), (3, 0.0)):
-                wave = partial(turned_cosine, order, shift)
+            for order, phase in ((1, 0.0), (1, 1.5), (2, 0.0), (2, 1.5), (3, 0.0)):
+                wave = lambda theta, m=order, by=phase: np.cos(m * theta + by)  # noqa: E731
                 share = worst_change(claimed, wave) / claimed.expectation(wave).error_bound
                 largest = max(largest, share)
     assert 0.95 < largest <= 1.0
