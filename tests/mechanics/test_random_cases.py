@@ -1,4 +1,4 @@
-"""Thousands of random pushes and drags: each finishes with its forces balanced, or is refused for a
+"""Hundreds of random pushes and drags: each finishes with its forces balanced, or is refused for a
 physical reason.
 """
 
@@ -12,8 +12,8 @@ from random_cases import harsh_case, random_case
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.schema import RECORD
 
-CASES = 2_000
-SHARES = 10
+CASES = 600
+SHARES = 3
 
 
 def run_and_check(case, balanced):
@@ -35,7 +35,7 @@ def run_and_check(case, balanced):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", range(SHARES))
-def test_every_one_of_two_thousand_random_cases_finishes_with_its_residuals_below_1e_9(share):
+def test_every_one_of_six_hundred_random_cases_finishes_with_its_residuals_below_1e_9(share):
     outcomes = Counter()
     for seed in range(share, CASES, SHARES):
         try:
@@ -68,7 +68,7 @@ def test_the_hardest_of_many_thousand_extremes_have_a_result(kind, seed):
 def test_states_that_are_written_down_balance_to_newtons_tolerance():
     """2e-13 of the mean friction coefficient, where no support point stands still."""
     worst = 0.0
-    for seed in range(60):
+    for seed in range(30):
         for stroke in random_case(seed).run():
             worst = max(worst, RECORD.columns_of(stroke.course.rows).residual.max())
     assert 0.0 < worst <= 2e-13
@@ -85,7 +85,7 @@ def test_the_error_of_a_push_and_a_drag_stays_near_the_accuracy_asked_and_falls_
     accuracies = np.array((1e-4, 1e-6, 1e-8))
     errors = [
         np.abs([turns_of(seed, a) for a in accuracies] - turns_of(seed, 1e-11)).max(axis=1)
-        for seed in range(60)
+        for seed in range(30)
     ]
     shares = np.array(errors) / accuracies
     assert np.median(shares, axis=0).max() < 0.05
@@ -100,7 +100,7 @@ def test_the_travel_of_a_push_that_the_rod_leaves_is_as_accurate_as_its_pose():
     as that is.
     """
     shares = []
-    for seed in range(60):
+    for seed in range(30):
         finest = random_case(seed, 1e-11)
         last = finest.model.push(finest.pose, finest.push)
         if last.ended != "left":
@@ -109,7 +109,7 @@ def test_the_travel_of_a_push_that_the_rod_leaves_is_as_accurate_as_its_pose():
             push = random_case(seed, accuracy).model.push(finest.pose, finest.push)
             assert push.ended == "left"
             shares.append(abs(push.travel - last.travel) / last.course.unit / accuracy)
-    assert len(shares) >= 20
+    assert len(shares) >= 10
     assert np.median(shares) < 0.1
     assert np.max(shares) < 10.0
 

@@ -8,7 +8,7 @@ from random_cases import random_case, sized
 
 from cyclemap.mechanics import EllipseFriction
 
-SEEDS = (0, 3, 6, 9, 11, 25)
+SEEDS = (0, 6, 11, 25)
 every_case = pytest.mark.parametrize("seed", SEEDS)
 
 
