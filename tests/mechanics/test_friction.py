@@ -130,7 +130,7 @@ def test_no_path_between_two_laws_leaves_the_laws():
     """Zero stays inside the ellipse (else EllipseFriction refuses),
     also for laws at the very edge."""
     generator = np.random.default_rng(5)
-    for _ in range(300):
+    for _ in range(100):
         fresh, worn = edge_friction(generator), edge_friction(generator)
         worst = max(math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b) for law in (fresh, worn))
         between = worn_friction(fresh, worn, generator.uniform())
