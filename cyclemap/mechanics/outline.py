@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, positive_number, read_only
+from cyclemap.checks import finite_array, point, positive_number, read_only
 from cyclemap.errors import InvalidInput
 
 # No object is smaller or larger than this, m: squares of its area soon leave the numbers there are.
@@ -235,6 +235,19 @@ def area_quadrature(outline: Polygon, order: int = 6) -> tuple[Array, Array]:
 
 def _cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def resting_centre(outline: Outline, centre: tuple[float, float] | None) -> tuple[float, float]:
+    """Return an object's centre of mass, None: its outline's centroid; InvalidInput where the
+    object would tip.
+    """
+    place = outline.centroid if centre is None else point("centre of mass", centre)
+    if not outline.bears(place):
+        raise InvalidInput(
+            f"the centre of mass {place} m lies outside the outline's convex hull: the object "
+            "would tip; give one inside"
+        )
+    return place
 
 
 def _require_size(length: float) -> None:
