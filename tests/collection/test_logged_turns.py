@@ -56,26 +56,26 @@ def test_a_map_that_does_not_change_is_found_as_by_gaussian_regression() -> None
 
 
 def test_intervals_hold_the_map_where_the_log_has_been_and_where_it_has_not() -> None:
-    """Of 60 maps drawn as it is assumed, nine tenths of all turns within 90 % intervals."""
+    """Of 25 maps drawn as it is assumed, nine tenths of all turns within 90 % intervals."""
     root = np.linalg.cholesky(ALIKE + 1e-9 * np.eye(NODES))
     believed = np.zeros((3, NODES)) + np.radians([[2.0], [6.0], [10.0]])
     inside = []
-    for world in range(60):
+    for world in range(25):
         rng = np.random.default_rng([5, world])
         truth = believed[rng.integers(3)] + DEVIATION * root @ rng.standard_normal(NODES)
         path = run_of(truth, 80, rng)
         logged = turns_after_log(believed, path, SIGMA, 50, draws=400, seed=world)
         low, high = np.quantile(logged.turns, (0.05, 0.95), axis=0)
         inside.append(np.mean((truth > low) & (truth < high)))
-    assert 0.85 < np.mean(inside) < 0.95
+    assert 0.83 < np.mean(inside) < 0.96
 
 
-@pytest.mark.parametrize("share", [0.25, 1.0, 4.0])
+@pytest.mark.parametrize("share", [0.25, 4.0])
 def test_the_log_tells_its_noise_where_another_is_believed(share: float) -> None:
     """Of a loop that rests, the orientations still to be seen are within their 90 % intervals."""
     rest = -np.radians(15.0) * np.sin(THETA - 1.0)
     held = []
-    for world in range(20):
+    for world in range(10):
         rng = np.random.default_rng([6, world])
         path = np.array(run_of(rest, 160, rng))
         believed = rest + np.radians([[-2.0], [2.0]])
@@ -86,7 +86,7 @@ def test_the_log_tells_its_noise_where_another_is_believed(share: float) -> None
         ).orientations
         seen = len(set(np.floor(np.degrees(np.mod(path[60:], 2.0 * np.pi)) / 10.0)))
         held.append(ahead.lower <= seen <= ahead.upper)
-    assert sum(held) >= 16
+    assert sum(held) >= 8
 
 
 def test_the_log_tells_which_sample_made_it() -> None:
