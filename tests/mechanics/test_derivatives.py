@@ -118,15 +118,8 @@ for name, outline in {"square": SQUARE, "oval": OVAL, "L shape": L_SHAPE}.items(
     bent = loop_of(outline, footprint=pressed, push=SidePush(0, 0.4, 0.1, 0.05), surface=STRONG)
     LOOPS[f"{name} on a floor with a shape"] = (bent, 2.1, {})
 # What has all parameters.
-SOLID = (
-    "square",
-    "triangle",
-    "L shape",
-    "point rod",
-    "leaving",
-    "around a corner",
-)
-SOLID += ("a frictionless rod",)
+SOLID = {"square", "triangle", "L shape", "point rod", "leaving", "around a corner"}
+SOLID |= {"a frictionless rod"}
 
 
 def changed(loop, name, amount):
