@@ -11,10 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array, even_angles, placed, turned
-from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import (
+    BATCHES,
+    CYCLES,
+    BatchExperiment,
     DynamicLoop,
     DynamicsComparison,
+    batch_experiment,
     compare_dynamics,
 )
 from cyclemap.collection.loop import CollectionLoop, Cycle

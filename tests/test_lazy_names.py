@@ -12,10 +12,7 @@ from cyclemap.lazy_names import import_on_first_use
 
 ROOMS = ("maps", "mechanics", "collection", "protocol", "evidence", "sweeps", "resets")
 # Functions that are called like the module they are in.
-NAMESAKES = (
-    *("collection.batch_experiment", "collection.fingerprint", "collection.portrait"),
-    "sweeps.run_sweep",
-)
+NAMESAKES = ("collection.fingerprint", "collection.portrait", "sweeps.run_sweep")
 
 
 def loaded(code: str, names: tuple[str, ...]) -> list[str]:

@@ -22,10 +22,12 @@ from cyclemap.cli.output import (
     result_name,
     write_json,
 )
-from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.cycles import Cycles
 from cyclemap.collection.dynamic_loop import (
+    WITHIN,
+    BatchRun,
     DynamicLoop,
+    batch_experiment,
     compare_dynamics,
 )
 from cyclemap.collection.loop import CollectionLoop

@@ -37,20 +37,18 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.collection.batch_experiment import (
-        BatchExperiment as BatchExperiment,
-        BatchRun as BatchRun,
-        batch_experiment as batch_experiment,
-    )
     from cyclemap.collection.cycles import (
         Cycles as Cycles,
         CycleSensitivity as CycleSensitivity,
         CycleTrajectory as CycleTrajectory,
     )
     from cyclemap.collection.dynamic_loop import (
+        BatchExperiment as BatchExperiment,
+        BatchRun as BatchRun,
         DynamicCycle as DynamicCycle,
         DynamicLoop as DynamicLoop,
         DynamicsComparison as DynamicsComparison,
+        batch_experiment as batch_experiment,
         compare_dynamics as compare_dynamics,
     )
     from cyclemap.collection.fingerprint import (

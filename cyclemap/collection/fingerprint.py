@@ -249,7 +249,10 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
     whole = differences.sum(axis=0)
     turns = isotropic.push_turn, isotropic.drag_turn
     bends = can_bow(loop)
-    bows = _bow_gradients(loop) if bends else np.zeros((2, 2))
+    bows = np.zeros((2, 2))
+    if bends:
+        # A bow of nothing, so that the footprint is one that has shapes.
+        bows = _turns_by(with_anisotropy(with_bow(loop, _LEAST_BOW), ISOTROPIC), _BOW)
     push, drag = (
         TurnResponse(*derivatives)
         for derivatives in zip(turns, gradients, hessians, bows, strict=True)
@@ -260,15 +263,6 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
         remainder=_remainder(loop, response.cycle),
         bow_remainder=_bow_remainder(loop, response.cycle) if bends else 0.0,
     )
-
-
-def _bow_gradients(loop: CollectionLoop) -> Array:
-    """Derivatives (2, 2) of the turns of push and drag at θ = 0 by the two components of the
-    floor's bow.
-    """
-    # A bow of nothing, so that the footprint is one that has shapes.
-    flat = with_bow(loop, _LEAST_BOW)
-    return _turns_by(with_anisotropy(flat, ISOTROPIC), _BOW)
 
 
 def _turns_by(loop: CollectionLoop, parameters: tuple[str, ...]) -> Array:

@@ -5,7 +5,7 @@ full map.
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, require_kind
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, SentByFields
 from cyclemap.collection.loop_surfaces import (
     Anisotropy,
     floor_bow,
@@ -155,7 +155,7 @@ class PredictedDirection:
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class Prediction(SentByFields):
     """The cycle map of a surface to first order, from the fingerprint of the protocol and its
     anisotropy alone.
 
@@ -194,10 +194,6 @@ class Prediction:
     def __post_init__(self) -> None:
         require_kind("fingerprint", self.fingerprint, Fingerprint)
         require_kind("anisotropy", self.anisotropy, Anisotropy)
-
-    def __getstate__(self) -> dict[str, object]:
-        # What was computed from the fields stays behind.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def turn(self, theta: ArrayLike) -> Array:
         """Return the first-order turn f(θ) - θ, (...), rad."""
@@ -259,8 +255,7 @@ class Prediction:
         for orbit in fixed_points(self.map) if self._anisotropic else ():
             theta = float(orbit.points[0])
             error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
-            same = [other for other in self.second_order_points if other.stable == orbit.stable]
-            nearest, away = _nearest(theta, same)
+            nearest, away = _nearest(orbit, self.second_order_points)
             directions.append(PredictedDirection(orbit, error, nearest if away <= error else None))
         return tuple(directions)
 
@@ -322,12 +317,11 @@ class Prediction:
         scale = self.lock_in.scale
         if not 0.0 < scale < math.inf:
             return scale, scale
-        low = float(brentq(lambda factor: self._least_turn(factor, -1.0), 0.0, scale, xtol=1e-9))
+        low = float(brentq(self._least_turn, 0.0, scale, args=(-1.0,), xtol=1e-9))
         for above in scale * 1.1 ** np.arange(1.0, 16.0):
             if self._least_turn(above, 1.0) < 0.0:
-                return low, float(
-                    brentq(lambda factor: self._least_turn(factor, 1.0), scale, above, xtol=1e-9)
-                )
+                high = float(brentq(self._least_turn, scale, above, args=(1.0,), xtol=1e-9))
+                return low, high
         return low, math.inf
 
     @property
@@ -359,11 +353,14 @@ class Prediction:
         return float(reach[out - 1] + (reach[1] - reach[0]) * before / (before - after))
 
 
-def _nearest(theta: float, orbits: Sequence[Orbit]) -> tuple[Orbit | None, float]:
-    """The fixed point nearest to a direction and how far that is, rad; None and inf without any."""
-    away = [abs(float(shorter_way(orbit.points[0] - theta))) for orbit in orbits]
+def _nearest(orbit: Orbit, others: Sequence[Orbit]) -> tuple[Orbit | None, float]:
+    """The nearest of other fixed points of its kind, and how far that is, rad; None and inf without
+    any.
+    """
+    same = [other for other in others if other.stable == orbit.stable]
+    away = [abs(float(shorter_way(other.points[0] - orbit.points[0]))) for other in same]
     nearest = min(away, default=math.inf)
-    return (orbits[away.index(nearest)] if away else None), nearest
+    return (same[away.index(nearest)] if away else None), nearest
 
 
 def predict(fingerprint: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
@@ -541,11 +538,11 @@ def check_prediction(
         )
     full = loop.circle_map(tolerance=tolerance, progress=progress)
     points = tuple(fixed_points(full))
-    checked = []
-    for direction in prediction.directions:
-        same = [orbit for orbit in points if orbit.stable == direction.stable]
-        checked.append(CheckedDirection(direction, *_nearest(direction.theta, same)))
-    return PredictionCheck(full, points, tuple(checked))
+    checked = tuple(
+        CheckedDirection(direction, *_nearest(direction.orbit, points))
+        for direction in prediction.directions
+    )
+    return PredictionCheck(full, points, checked)
 
 
 def full_lock_in(

@@ -174,7 +174,7 @@ def forecast_from_turns(
     resting, where = _rests(paths)
     seen = _orientations(paths)
     centres = clusters(where)
-    away = np.abs(np.angle(np.exp(1j * (where[:, None] - centres))))
+    away = np.abs(shorter_way(where[:, None] - centres))
     directions = []
     for index, centre in enumerate(centres.tolist()):
         own = away[np.argmin(away, axis=1) == index, index]

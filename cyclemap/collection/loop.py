@@ -117,8 +117,17 @@ class Cycle(StrokePair[PushResult, DragResult]):
         return inline_svg([*outlines, *rod], caption, 240, equal=True)
 
 
+class SentByFields:
+    """A dataclass that is sent to other processes as its fields: what was computed from them stays
+    behind.
+    """
+
+    def __getstate__(self) -> dict[str, object]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+
+
 @dataclass(frozen=True)
-class CollectionLoop:
+class CollectionLoop(SentByFields):
     """The protocol of a data collection: who is pushed where, on what, and how it is brought back.
 
     Parameters
@@ -174,10 +183,6 @@ class CollectionLoop:
         require_kind("push", self.push, SidePush)
         require_kind("reset", self.reset, DragBack)
         require_kind("footprint", self.footprint, *FOOTPRINTS, NoneType)
-
-    def __getstate__(self) -> dict[str, object]:
-        # What was computed from the fields stays behind.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:

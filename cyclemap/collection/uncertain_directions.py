@@ -20,11 +20,11 @@ from cyclemap.arrays import TWO_PI, Array, even_angles, evenly_spread, shorter_w
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
 from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
 from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.friction import centre_and_shape
 from cyclemap.progress import Progress, unheard
 from cyclemap.written import ANGLE, DIRECTION
 
@@ -275,30 +275,14 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
     """What a posterior may change of a loop: centre and shape of the ellipse in axes at `phi`, rod,
     ring, pressure.
     """
-    law = loop.material.friction
-    c = math.cos(law.phi - phi)
-    s = math.sin(law.phi - phi)
-    axes = np.array([[c, -s], [s, c]])
-    shape = axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
+    centre, shape = centre_and_shape(loop.material.friction, phi)
     pressure = loop.model.pressure
-    (x, y) = loop.slider.hitch
     shares = [getattr(pressure, name, 0.0) for name in SHARES]
-    shapes = (
-        (pressure.floor, pressure.plate) if isinstance(pressure, PressedFootprint) else (FLAT, FLAT)
-    )
-    ellipse = [*(axes @ (law.m0, law.n0)), shape[0, 0], shape[1, 1], shape[0, 1]]
-    return np.array(
-        [
-            *ellipse,
-            loop.pusher.friction,
-            x,
-            y,
-            *shares,
-            *shapes[0].bend,
-            *shapes[1].bend,
-            loop.reset.pin_friction_radius,
-        ]
-    )
+    bends = [getattr(pressure, name, FLAT).bend for name in ("floor", "plate")]
+    ellipse = [*centre, shape[0, 0], shape[1, 1], shape[0, 1]]
+    rod = [loop.pusher.friction, *loop.slider.hitch]
+    pin = loop.reset.pin_friction_radius
+    return np.concatenate([ellipse, rod, shares, *bends, [pin]])
 
 
 def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
@@ -427,16 +411,13 @@ def _intervals(
     for index, centre in enumerate(centres):
         away = []
         for some in points:
-            nearest = (
-                np.argmin(np.abs(shorter_way(some[:, None] - centres)), axis=1)
-                if some.size
-                else np.zeros(0)
-            )
+            if not some.size:
+                continue
+            nearest = np.argmin(np.abs(shorter_way(some[:, None] - centres)), axis=1)
             own = shorter_way(some[nearest == index] - centre)
-            away += [own[np.argmin(np.abs(own))]] if own.size else []
-        offsets = np.array([*away, 0.0] if span and nominal.size else away)
-        if offsets.size == 0:
-            offsets = np.zeros(1)
+            if own.size:
+                away.append(own[np.argmin(np.abs(own))])
+        offsets = np.array([*away, 0.0] if span and nominal.size else away or [0.0])
         ends = (0.0, 1.0) if span else (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
         low, high = np.quantile(offsets, ends, method="linear" if span else "weibull")
         lower = float((centre + low) % TWO_PI)

@@ -62,7 +62,7 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
         where the footprint cannot have them.
     """
     outline, unit, layout = model.slider.outline, model.unit, LOOP.laid_out(_ADDRESS)
-    hitch = [coordinate / unit for coordinate in model.slider.hitch]
+    hitch_x, hitch_y = model.slider.hitch
     sides = [
         {
             "side": piece.side,
@@ -74,7 +74,7 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
         for index, piece in enumerate(model.curve.pieces)
         if isinstance(piece, SidePiece)
     ]
-    goals = [coordinate / unit for point in (*reset.way_points, (0.0, 0.0)) for coordinate in point]
+    goals = np.ravel((*reset.way_points, (0.0, 0.0))) / unit
     return {
         "layout": {"fields": places_in(layout), "size": layout.itemsize},
         "columns": {
@@ -90,10 +90,10 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
         "step_share": STEP_SHARE,
         "unit": unit,
         "centre": [coordinate / unit for coordinate in model.pressure.centre],
-        "pieces": packed_numbers(piece_table(model.curve, (hitch[0], hitch[1]))),
+        "pieces": packed_numbers(piece_table(model.curve, (hitch_x / unit, hitch_y / unit))),
         "sides": sides,
         **_outline(outline, unit),
-        "goals": packed_numbers(np.array(goals)),
+        "goals": packed_numbers(goals),
         "pin_friction": reset.pin_friction_radius / unit,
         "parts": _parts(model),
         "pressed": _pressed(model),

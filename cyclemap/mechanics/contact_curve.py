@@ -170,22 +170,18 @@ def side_coordinate(
     outline: Outline, pieces: tuple[OutlinePiece, ...], side: int, fraction: float
 ) -> tuple[int, float, float]:
     """Return piece, coordinate, and its slope by the fraction, of the contact at a fraction of a
-    side from its start.
+    side from its start, as a SidePush has them.
 
     On an ellipse, whose only side is 0, the fraction is of the full eccentric angle. Raises
-    InvalidInput for a side or fraction that does not exist or that the rod cannot reach.
+    InvalidInput for a side that does not exist, and a place that the rod cannot reach.
     """
-    if isinstance(side, bool) or side != int(side) or not 0 <= side < outline.sides:
+    if not side < outline.sides:
         raise InvalidInput(
-            f"side {side!r} does not exist: this outline has sides 0 to {outline.sides - 1}"
-        )
-    if not 0.0 <= fraction <= 1.0:
-        raise InvalidInput(
-            f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1"
+            f"side {side} does not exist: this outline has sides 0 to {outline.sides - 1}"
         )
     if isinstance(outline, Ellipse):
         return 0, TWO_PI * fraction, TWO_PI
-    length = _raw_side(outline, int(side)).high
+    length = _raw_side(outline, side).high
     for index, piece in enumerate(pieces):
         if (
             isinstance(piece, SidePiece)
@@ -523,8 +519,10 @@ def _crossings_on_way(
     for sign in (-1.0, 1.0):
         # Between the two tangents along the path the distance from it changes sign once.
         facing = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
-        low = np.arctan2(b * np.sin(facing - np.pi / 2.0), a * np.cos(facing - np.pi / 2.0))
-        high = np.arctan2(b * np.sin(facing + np.pi / 2.0), a * np.cos(facing + np.pi / 2.0))
+        low, high = (
+            np.arctan2(b * np.sin(tangent), a * np.cos(tangent))
+            for tangent in (facing - np.pi / 2.0, facing + np.pi / 2.0)
+        )
         high = low + np.remainder(high - low, TWO_PI)
         aside, _ = _from_line(piece, radius, low, starts, toward)
         meets = aside * _from_line(piece, radius, high, starts, toward)[0] < 0.0

@@ -236,11 +236,10 @@ class CycleSlopes:
             ends.update(fresh)
         kept = np.array([ends[angle] for angle in theta.tolist()])
         pose, slopes = kept[:, :3], kept[:, 3:]
-        _, ring = _turned(theta, self._lever)
-        ring_x, ring_y = ring.T
         if not self._has_place:
+            (c, s), ring = _turned(theta, self._lever)
             pose[:, :2] += -ring / self._unit
-            slopes[:, :2] += np.column_stack([ring_y / self._unit, -ring_x / self._unit])
+            slopes[:, :2] += _start_varies(c, s, ring, self._unit, 1)[:, :2, 0]
         ran = engine.run([self._drag], np.zeros(theta.size, int), pose, slopes[..., None])
         _check(ran, [self._drag], theta)
         ended = OUTPUT.columns_of(ran.derivatives).ended

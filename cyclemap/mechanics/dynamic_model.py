@@ -19,7 +19,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, turned
 from cyclemap.checks import (
     non_negative_number,
     point,
@@ -30,10 +30,9 @@ from cyclemap.checks import (
 )
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import first_contact
-from cyclemap.mechanics.engine.schema import QUADRATIC
 from cyclemap.mechanics.engine.strokes import pressure_at, pressure_tables
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint, grid_footprint
-from cyclemap.mechanics.foundation import PressedFootprint
+from cyclemap.mechanics.foundation import PressedFootprint, quadratic_at
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.slider import GRAVITY, Pose, Pusher, SidePush, Slider
@@ -348,8 +347,7 @@ class DynamicModel:
             now, time, waits = leg[-1, 3:9], time + wait, waits + 1
         # Of the coming to rest only its end is kept.
         rows = np.concatenate([*kept, leg[-1:]])
-        (x, y), c, s = self.slider.centre_of_mass, np.cos(rows[:, 5]), np.sin(rows[:, 5])
-        lever = np.column_stack([c * x - s * y, s * x + c * y])
+        lever = turned(np.array(self.slider.centre_of_mass), rows[:, 5])
         course = DynamicTrajectory(
             time=length / self.speed * rows[:, 0],
             path=length * np.minimum(rows[:, 0], way),
@@ -515,10 +513,8 @@ def _loads(leg: LegEquations, pressed: PressedFootprint, theta: ca.SX) -> list[c
     for order, wave in enumerate(waves[1:_HARMONICS], 1):
         angle = 2.0 * order * theta
         quadratic += 2.0 * (ca.cos(angle) * wave.real - ca.sin(angle) * wave.imag)
-    q, loads = QUADRATIC.of(ca.vertsplit(quadratic)), []
-    for x, y in (np.array(leg.footprint.positions) - pressed.outline.centroid) / size:
-        along_x = q.slope_x + q.xx * x + 2.0 * q.xy * y
-        loads.append(ca.fmax(q.level + x * along_x + y * (q.slope_y + q.yy * y), 0.0))
+    places = (np.array(leg.footprint.positions) - pressed.outline.centroid) / size
+    loads = [ca.fmax(quadratic_at(ca.vertsplit(quadratic), x, y), 0.0) for x, y in places]
     total = sum(loads)
     return [load / total for load in loads]
 

@@ -310,10 +310,8 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     corners = outline.points(4)
     low, high = corners.min(axis=0), corners.max(axis=0)
     share = (np.arange(count) + 0.5) / count
-    x, y = np.meshgrid(
-        low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), indexing="ij"
-    )
-    cells = np.stack([x.ravel(), y.ravel()], axis=-1)
+    shares = np.stack(np.meshgrid(share, share, indexing="ij"), axis=-1).reshape(-1, 2)
+    cells = low + shares * (high - low)
     inside = cells[outline.contains(cells)]
     if len(inside) < 2:
         raise InvalidInput(

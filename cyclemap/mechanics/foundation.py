@@ -1,8 +1,10 @@
 """Foundations that are pressed: plates and floors that are not flat, one resting on the other."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field as made
 from types import NoneType
+from typing import Any
 
 import numpy as np
 
@@ -10,13 +12,12 @@ from cyclemap.arrays import Array
 from cyclemap.checks import (
     finite_array,
     finite_number,
-    point,
     positive_number,
     read_only,
     require_kind,
 )
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, resting_centre
 
 # Shapes are told in mean pressures at this distance from the centroid, m.
 SHAPE_RADIUS = 0.05
@@ -162,6 +163,14 @@ class FloorField:
         return FloorField(tuple(map(tuple, scaled.tolist())), self.reach)
 
 
+def quadratic_at(numbers: Iterable[Any], x: Any, y: Any) -> Any:
+    """Return a quadratic of the plane, of numbers level, slopes, xx, xy and yy, at places: in NumPy
+    or CasADi.
+    """
+    level, slope_x, slope_y, xx, xy, yy = numbers
+    return level + x * (slope_x + xx * x + 2.0 * xy * y) + y * (slope_y + yy * y)
+
+
 @dataclass(frozen=True)
 class PressedFootprint:
     """Pressure of a plate that is not flat on a floor that is not flat, which give way alike.
@@ -244,12 +253,7 @@ class PressedFootprint:
         require_kind("shape of the plate", self.plate, SurfaceShape)
         require_kind("shape of the floor", self.floor, SurfaceShape)
         require_kind("field of the floor", self.field, FloorField, NoneType)
-        centre = outline.centroid if self.centre is None else point("centre of mass", self.centre)
-        if not outline.bears(centre):
-            raise InvalidInput(
-                f"the centre of mass {centre} m lies outside the outline's convex hull: the object "
-                "would tip; give one inside"
-            )
+        centre = resting_centre(outline, self.centre)
         if isinstance(outline, Polygon) and outline.sides > _MOST_SIDES:
             raise InvalidInput(
                 f"an outline of {outline.sides} corners: shapes of plate and floor take "

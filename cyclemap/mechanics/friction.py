@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array, turned
 from cyclemap.checks import finite_array, finite_number, positive_number, require_kind
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
@@ -90,7 +91,7 @@ class EllipseFriction:
         """Return the same surface turned by `angle` (rad, counter-clockwise)."""
         return EllipseFriction(self.mu_a, self.mu_b, self.m0, self.n0, self.phi + angle)
 
-    def dissipation(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+    def dissipation(self, velocity: ArrayLike, frame: float = 0.0) -> Array:
         """Return the power lost per unit load.
 
         Parameters
@@ -105,12 +106,12 @@ class EllipseFriction:
         ndarray, shape (...)
             h(v), m/s.
         """
-        v_m, v_n = self._in_material_axes(velocity, frame)
+        v_m, v_n = np.moveaxis(self._in_material_axes(velocity, frame), -1, 0)
         return np.asarray(
             np.hypot(self.mu_a * v_m, self.mu_b * v_n) + self.m0 * v_m + self.n0 * v_n
         )
 
-    def traction(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+    def traction(self, velocity: ArrayLike, frame: float = 0.0) -> Array:
         """Return the traction coefficients at sliding velocities.
 
         Parameters
@@ -131,7 +132,7 @@ class EllipseFriction:
         InvalidInput
             At rest, where friction is not unique.
         """
-        v_m, v_n = self._in_material_axes(velocity, frame)
+        v_m, v_n = np.moveaxis(self._in_material_axes(velocity, frame), -1, 0)
         s = np.hypot(self.mu_a * v_m, self.mu_b * v_n)
         if np.any(s == 0.0):
             raise InvalidInput(
@@ -139,16 +140,11 @@ class EllipseFriction:
                 "unique"
             )
         t_m, t_n = self.m0 + self.mu_a**2 * v_m / s, self.n0 + self.mu_b**2 * v_n / s
-        c, k = math.cos(self.phi - frame), math.sin(self.phi - frame)
-        return np.stack([c * t_m - k * t_n, k * t_m + c * t_n], axis=-1)
+        return turned(np.stack([t_m, t_n], axis=-1), self.phi - frame)
 
-    def _in_material_axes(
-        self, velocity: ArrayLike, frame: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        v = finite_array("velocities", velocity, last=2)
-        angle = self.phi - finite_number("frame", frame)
-        c, k = math.cos(angle), math.sin(angle)
-        return c * v[..., 0] + k * v[..., 1], -k * v[..., 0] + c * v[..., 1]
+    def _in_material_axes(self, velocity: ArrayLike, frame: float) -> Array:
+        given = finite_array("velocities", velocity, last=2)
+        return turned(given, finite_number("frame", frame) - self.phi)
 
 
 def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:
@@ -189,19 +185,23 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
         raise InvalidInput(f"share of wear is {share:g}: it runs from 0 (fresh) to 1 (worn)")
     if share in (0.0, 1.0) or fresh == worn:
         return worn if share == 1.0 else fresh
-    centres, shapes = [], []
-    for law in (fresh, worn):
-        c, s = math.cos(law.phi), math.sin(law.phi)
-        rotation = np.array([[c, -s], [s, c]])
-        centres.append(rotation @ (law.m0, law.n0))
-        shapes.append(rotation @ np.diag([law.mu_a**2, law.mu_b**2]) @ rotation.T)
-    squares, axes = np.linalg.eigh((1.0 - share) * shapes[0] + share * shapes[1])
+    (centre, shape), (worn_centre, worn_shape) = (centre_and_shape(law) for law in (fresh, worn))
+    squares, axes = np.linalg.eigh((1.0 - share) * shape + share * worn_shape)
     first = np.array([math.cos(fresh.phi), math.sin(fresh.phi)])
     nearest = int(np.argmax(np.abs(first @ axes)))
     x, y = np.copysign(1.0, axes[:, nearest] @ first) * axes[:, nearest]
-    m0, n0 = np.array([[x, y], [-y, x]]) @ ((1.0 - share) * centres[0] + share * centres[1])
+    m0, n0 = np.array([[x, y], [-y, x]]) @ ((1.0 - share) * centre + share * worn_centre)
     mu_a, mu_b = math.sqrt(squares[nearest]), math.sqrt(squares[1 - nearest])
     return EllipseFriction(mu_a, mu_b, float(m0), float(n0), math.atan2(float(y), float(x)))
+
+
+def centre_and_shape(law: EllipseFriction, frame: float = 0.0) -> tuple[Array, Array]:
+    """Return the centre c (2,) of a friction ellipse and its shape matrix S (2, 2), in a frame that
+    is turned by an angle (rad): its dissipation is c.v + sqrt(v.S v).
+    """
+    c, s = math.cos(law.phi - frame), math.sin(law.phi - frame)
+    axes = np.array([[c, -s], [s, c]])
+    return axes @ (law.m0, law.n0), axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
 
 
 @dataclass(frozen=True)
@@ -246,7 +246,7 @@ class LimitSurface:
         require_kind("footprint", self.footprint, *FOOTPRINTS)
         require_kind("friction", self.friction, EllipseFriction)
 
-    def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+    def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> Array:
         """Return the dissipation D per unit load.
 
         Parameters
@@ -263,7 +263,7 @@ class LimitSurface:
         """
         return self._evaluate(twist, frame)[..., 0]
 
-    def wrench(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+    def wrench(self, twist: ArrayLike, frame: float = 0.0) -> Array:
         """Return the wrench that keeps the object moving, grad D.
 
         Parameters
@@ -280,12 +280,12 @@ class LimitSurface:
         """
         return self._evaluate(twist, frame)[..., 1:4]
 
-    def hessian(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+    def hessian(self, twist: ArrayLike, frame: float = 0.0) -> Array:
         """Return the second derivatives of D, (..., 3, 3)."""
         values = self._evaluate(twist, frame)[..., 4:]
         return values.reshape(*values.shape[:-1], 3, 3)
 
-    def _evaluate(self, twist: ArrayLike, frame: float) -> NDArray[np.float64]:
+    def _evaluate(self, twist: ArrayLike, frame: float) -> Array:
         twists = finite_array("twist", twist, last=3)
         size, law = self.footprint.extent, self.friction
         # Lengths in extents: (v, omega) -> (v, omega size), D unchanged, derivatives by omega times

@@ -295,7 +295,7 @@ class MaterialPosterior:
                 )
             for name, value in zip(names, row, strict=True):
                 finite_number(f"{name} of posterior sample {index}", value)
-        rows = finite_array("posterior samples", self.samples)
+        rows = np.array(self.samples, dtype=float)
         if not 2 <= len(rows) <= _MOST_SAMPLES:
             raise InvalidInput(
                 f"a posterior has {len(rows)} samples: it needs from 2 to {_MOST_SAMPLES}"
@@ -505,8 +505,7 @@ class Material:
         if np.any(spread < 0.0):
             raise InvalidInput(f"session spread {spread.tolist()}: deviations must not be negative")
         vars(self)["session_spread"] = tuple(spread.tolist())
-        worn = FLAT if self.wear is None or self.wear.floor is None else self.wear.floor
-        if not (self.has_flat_floor and worn.is_flat):
+        if not stays_flat(self):
             shared = [plate.plate for plate in self.plates if any(plate.shares.values())]
             if shared:
                 raise InvalidInput(
@@ -591,7 +590,7 @@ class Material:
             raise InvalidInput(f"{self.name} has no posterior sample {index}")
         row = dict(zip(self.posterior.parameters, self.posterior.samples[index], strict=True))
         identified = {
-            FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS
+            field: unit * row[key] for key, (field, unit) in FOUND_KEYS.items() if key in row
         }
         plates = []
         for plate in self.plates:
@@ -648,6 +647,12 @@ class Material:
         share = self.wear.share(cycles)
         bend = (1.0 - share) * self.floor.bend + share * self.wear.floor.bend
         return SurfaceShape.of_bend(*bend.tolist())
+
+
+def stays_flat(material: Material) -> bool:
+    """Return whether a material's floor has no shape, and wears to none."""
+    worn = None if material.wear is None else material.wear.floor
+    return material.has_flat_floor and (worn is None or worn.is_flat)
 
 
 def _of_plate(name: str) -> str:

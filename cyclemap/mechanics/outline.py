@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, positive_number, read_only
+from cyclemap.checks import finite_array, point, positive_number, read_only
 from cyclemap.errors import InvalidInput
 
 # No object is smaller or larger than this, m: squares of its area soon leave the numbers there are.
@@ -109,13 +109,8 @@ class Polygon:
 
     def encloses(self, other: "Polygon") -> bool:
         """Whether another polygon lies inside, touching no side."""
-        sides = (
-            self.array,
-            np.roll(self.array, -1, axis=0),
-            other.array,
-            np.roll(other.array, -1, axis=0),
-        )
-        return not _segments_meet(*sides).any() and bool(self.contains(other.array).all())
+        crosses = _sides_meet(self.array, other.array).any()
+        return not crosses and bool(self.contains(other.array).all())
 
     def points(self, count: int) -> Array:
         """Return the closed outline as a polyline (k + 1, 2), m; a polygon needs no more than its
@@ -237,6 +232,19 @@ def _cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
+def resting_centre(outline: Outline, centre: tuple[float, float] | None) -> tuple[float, float]:
+    """Return an object's centre of mass, None: its outline's centroid; InvalidInput where the
+    object would tip.
+    """
+    place = outline.centroid if centre is None else point("centre of mass", centre)
+    if not outline.bears(place):
+        raise InvalidInput(
+            f"the centre of mass {place} m lies outside the outline's convex hull: the object "
+            "would tip; give one inside"
+        )
+    return place
+
+
 def _require_size(length: float) -> None:
     """Raise InvalidInput for a length (m) that no object has; that of points in one place is told
     elsewhere.
@@ -247,8 +255,7 @@ def _require_size(length: float) -> None:
 
 def _refuse_crossing(points: Array) -> None:
     size = float(np.ptp(points, axis=0).max())
-    after = np.roll(points, -1, axis=0)
-    edge = after - points
+    edge = np.roll(points, -1, axis=0) - points
     short = np.flatnonzero(np.hypot(*edge.T) <= 1e-9 * size)
     if size == 0.0 or short.size:
         raise InvalidInput(
@@ -256,7 +263,7 @@ def _refuse_crossing(points: Array) -> None:
         )
     if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1] <= 1e-9 * size:
         raise InvalidInput("the polygon has no area: its vertices lie on a line")
-    meet = np.triu(_segments_meet(points, after, points, after), 1)
+    meet = np.triu(_sides_meet(points, points), 1)
     # Neighbours share a corner: they may not run back along each other.
     side, following = np.arange(len(points)), np.roll(edge, -1, axis=0)
     other = (side + 1) % len(points)
@@ -268,9 +275,10 @@ def _refuse_crossing(points: Array) -> None:
         )
 
 
-def _segments_meet(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
-    """Whether segments a-b, (k, 2) each, and c-d, (m, 2) each, have a point in common, (k, m)."""
-    a, b = a[:, None], b[:, None]
+def _sides_meet(first: Array, second: Array) -> NDArray[np.bool_]:
+    """Whether sides of polygons, of vertices (k, 2) and (m, 2), have a point in common, (k, m)."""
+    a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
+    c, d = second, np.roll(second, -1, axis=0)
     across_ab = _cross(b - a, c - a) * _cross(b - a, d - a)
     across_cd = _cross(d - c, a - c) * _cross(d - c, b - c)
     boxed = np.all(

@@ -9,8 +9,14 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, require_kind
 from cyclemap.mechanics.engine.strokes import pressure_at, pressure_tables
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
-from cyclemap.mechanics.foundation import FLAT, FloorField, PressedFootprint, SurfaceShape
-from cyclemap.mechanics.material import ANY_PLATE, Material, PlatePressure
+from cyclemap.mechanics.foundation import (
+    FLAT,
+    FloorField,
+    PressedFootprint,
+    SurfaceShape,
+    quadratic_at,
+)
+from cyclemap.mechanics.material import ANY_PLATE, Material, PlatePressure, stays_flat
 from cyclemap.mechanics.material_text import built_in_plates
 from cyclemap.mechanics.slider import Slider
 
@@ -36,9 +42,7 @@ def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
 
     Built-in plates are asked only where the material's floor has a shape, or wears to one.
     """
-    worn = None if material.wear is None else material.wear.floor
-    stays_flat = material.has_flat_floor and (worn is None or worn.is_flat)
-    built_in = () if stays_flat else built_in_plates()
+    built_in = () if stays_flat(material) else built_in_plates()
     for plate in (*material.plates, *built_in):
         if plate.plate == slider.name:
             return plate
@@ -127,7 +131,6 @@ def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLik
     at = finite_array("places", places, last=2)
     size, outline = footprint.extent, footprint.outline
     quadratic = pressure_at(pressure_tables(footprint), finite_number("theta", theta))
-    level, slope_x, slope_y, xx, xy, yy = quadratic
     x, y = np.moveaxis((at - outline.centroid) / size, -1, 0)
-    pressure = level + x * (slope_x + xx * x + 2.0 * xy * y) + y * (slope_y + yy * y)
+    pressure = quadratic_at(quadratic, x, y)
     return np.asarray(np.maximum(pressure, 0.0) * outline.area / size**2)

@@ -16,7 +16,7 @@ from cyclemap.checks import (
     require_kind,
 )
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
-from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, resting_centre
 
 # Standard gravity, m/s^2.
 GRAVITY = 9.80665
@@ -114,15 +114,10 @@ class Slider:
         positive_number("slider mass", self.mass)
         if self.inertia is not None:
             positive_number("slider inertia", self.inertia)
-        centre = self.outline.centroid if self.centre_of_mass is None else self.centre_of_mass
-        centre = point("centre of mass", centre)
-        if not self.outline.bears(centre):
-            raise InvalidInput(
-                f"the centre of mass {centre} m lies outside the outline's convex hull: the object "
-                "would tip; give one inside"
-            )
         vars(self).update(
-            centre_of_mass=centre, hitch=point("hitch", self.hitch), weight=self.mass * GRAVITY
+            centre_of_mass=resting_centre(self.outline, self.centre_of_mass),
+            hitch=point("hitch", self.hitch),
+            weight=self.mass * GRAVITY,
         )
         away, size = math.dist(self.hitch, self.outline.centroid), self.outline.extent
         apart = (

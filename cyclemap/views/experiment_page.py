@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from cyclemap.arrays import Array
-from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
-from cyclemap.collection.dynamic_loop import DynamicsComparison
+from cyclemap.collection.dynamic_loop import WITHIN, BatchExperiment, BatchRun, DynamicsComparison
 from cyclemap.views.panels.layout import Panel, picture
 from cyclemap.views.panels.scene import draw_way
 from cyclemap.views.panels.style import (

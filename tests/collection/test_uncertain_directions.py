@@ -58,42 +58,42 @@ def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
 
 @pytest.mark.slow
 def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
-    """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not
+    """Truth by Newton's method on the cycle itself, for 300 draws that the interval has not
     seen."""
     plywood = load_material("plywood")
-    found = direction_uncertainty(on(drawn(plywood, 0.5, 400, 1)))
+    found = direction_uncertainty(on(drawn(plywood, 0.5, 200, 1)))
     assert (found.method, found.chance, found.is_posterior, found.samples) == (
         "first order",
         1.0,
         True,
-        400,
+        200,
     )
     assert pickle.loads(pickle.dumps(found)) == found
-    loops = loops_of(on(drawn(plywood, 0.5, 800, 2)))
+    loops = loops_of(on(drawn(plywood, 0.5, 300, 2)))
     theta = np.full((len(loops), 1), found.directions[0].theta)
     for _ in range(6):
         batch = run_batch(loops, theta, 1)
         step = (batch.theta_next - theta) / (1.0 - batch.jacobian[:, :, -1, 0])
         theta = theta + step
     assert np.abs(step).max() < 1e-6
-    assert 0.93 <= inside(found, theta.ravel()) <= 0.97
+    assert 0.9 <= inside(found, theta.ravel()) <= 0.99
 
 
 @pytest.mark.slow
 def test_near_the_saddle_node_samples_are_run_and_tell_how_many_lock_in() -> None:
     """Truth by the certified fixed points of each draw's own map."""
     plywood = load_material("plywood")
-    found = direction_uncertainty(on(drawn(plywood, 1.0, 240, 1), 0.72))
+    found = direction_uncertainty(on(drawn(plywood, 1.0, 100, 1), 0.72))
     assert found.method == "samples" and 0.0 < found.chance < 1.0
     assert found.first_order_error is not None and found.first_order_error > math.radians(1.0)
-    maps = [loop.circle_map(1e-3) for loop in loops_of(on(drawn(plywood, 1.0, 240, 2), 0.72))]
+    maps = [loop.circle_map(1e-3) for loop in loops_of(on(drawn(plywood, 1.0, 100, 2), 0.72))]
     stable = [
         [float(orbit.points[0]) for orbit in fixed_points(one) if orbit.stable] for one in maps
     ]
     locked = [row[0] for row in stable if row]
-    # Two shares of 240 each: three standard errors of their difference.
-    assert len(locked) / 240 == pytest.approx(found.chance, abs=3.0 * math.sqrt(0.5 / 240))
-    assert 0.93 <= inside(found, np.array(locked)) <= 0.97
+    # Two shares of 100 each: three standard errors of their difference.
+    assert len(locked) / 100 == pytest.approx(found.chance, abs=3.0 * math.sqrt(0.5 / 100))
+    assert 0.87 <= inside(found, np.array(locked)) <= 0.99
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_
 ) -> None:
     round_floor = Material("round", EllipseFriction(0.2501, 0.25, 0.04, 0.01, 0.3))
     for material in (load_material("plywood"), round_floor):
-        loop = on(drawn(material, 0.1, 60, 3))
+        loop = on(drawn(material, 0.1, 40, 3))
         first = direction_uncertainty(loop)
         monkeypatch.setattr("cyclemap.collection.uncertain_directions._LEAST", -1.0)
         monkeypatch.setattr("cyclemap.collection.uncertain_directions._SHARE", -1.0)
@@ -137,11 +137,8 @@ def test_shapes_that_are_the_materials_but_for_an_objects_weight_vary_with_its_s
         assert not expected.is_near(loop.footprint)
 
 
-def test_what_is_no_loop_is_refused() -> None:
-    refused(direction_uncertainty, 5, told="loop must be a CollectionLoop.*, not 5")
-
-
 def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance() -> None:
+    refused(direction_uncertainty, 5, told="loop must be a CollectionLoop.*, not 5")
     found = direction_uncertainty(CollectionLoop.mit("plywood"))
     assert (found.source, found.samples, found.locks) == ("axis ratio", 2, 2)
     law, ends = CollectionLoop.mit("plywood").material.friction, []

@@ -17,12 +17,12 @@ LONGEST_SECONDS = (
     120.0  # and ten times what an undisturbed run takes: other work may have slowed the machine
 )
 COMMANDS = {
-    "simulate": ("simulate", "plywood", "--cycles", "150", "--pose-noise-mm", "0.1"),
+    "simulate": ("simulate", "plywood", "--cycles", "60", "--pose-noise-mm", "0.1"),
     "sweep": (
         "sweep",
         "plywood",
         "--over",
-        "hitch_x_mm=-12:-9:4",
+        "hitch_x_mm=-12:-9:3",
         "--quantities",
         "rotation",
         "--workers",

@@ -3,7 +3,6 @@ lies beside it.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -60,25 +59,12 @@ def test_an_object_whose_centroid_lies_beside_it_is_pushed_and_dragged_with_bala
         assert stroke.trajectory.residual < 1e-9
 
 
-@pytest.mark.parametrize("name", BENT)
-def test_its_cycles_make_a_map_whose_slopes_are_its_differences(name):
-    outline, hitch = BENT[name]
-    slider, push = Slider(outline, hitch=hitch), SidePush(1, 0.6, 0.1, 0.06)
-    loop = replace(cm.CollectionLoop.mit(), slider=slider, push=push)
-    cycles = loop.circle_map()
-    theta, step = np.linspace(-3.0, 3.0, 7), 1e-5
-    single = [loop.cycle(angle).theta_next for angle in theta.tolist()]
-    assert np.allclose(cycles(theta), single, rtol=0.0, atol=1e-5)
-    slope = (cycles(theta + step) - cycles(theta - step)) / (2.0 * step)
-    assert np.allclose(cycles.derivative(theta), slope, rtol=0.0, atol=1e-3)
-
-
 def test_an_object_tips_only_where_its_centre_of_mass_is_outside_the_convex_hull():
     """The hull as SciPy has it; random points and random outlines."""
     from scipy.spatial import Delaunay
 
     rng, notched = np.random.default_rng(3), 0
-    for _ in range(60):
+    for _ in range(30):
         outline, hitch = random_band(rng)
         hull = Delaunay(outline.array)
         for place in rng.uniform(-0.06, 0.06, (10, 2)):
@@ -89,7 +75,7 @@ def test_an_object_tips_only_where_its_centre_of_mass_is_outside_the_convex_hull
                 refused(
                     Slider, outline, hitch=hitch, centre_of_mass=tuple(place), told="convex hull"
                 )
-    assert notched > 60
+    assert notched > 30
 
 
 @pytest.mark.parametrize("name", BENT)
@@ -101,12 +87,12 @@ def test_a_first_experiment_with_it_has_its_ring_inside(name):
 
 def test_every_random_concave_object_is_pushed_wherever_the_rod_can_touch_it():
     rng, outside = np.random.default_rng(11), 0
-    for number in range(40):
+    for number in range(20):
         outline, hitch = random_band(rng)
         model = QuasiStaticModel(Slider(outline, hitch=hitch), LAW, accuracy=1e-6)
         outside += not outline.contains(np.array(outline.centroid))
         push, done = reachable_push(model, rng)
         assert done.trajectory.residual < 1e-9, push
-        if number % 8 == 0:
+        if number % 10 == 0:
             assert check(model, done.trajectory).surface < 1e-9
-    assert outside > 20
+    assert outside > 10

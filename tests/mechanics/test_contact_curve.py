@@ -188,20 +188,20 @@ def test_curves_are_exact_closed_and_complete():
     """Against samples of all untrimmed pieces:
     those that no side overlaps make up the same length."""
     several_loops = 0
-    for outline, radius, _ in cases(generic, seed=1, count=150):
+    for outline, radius, _ in cases(generic, seed=1, count=60):
         curve = contact_curve(outline, radius)
         check_points_and_junctions(outline, curve, 1e-13)
         several_loops += len(loops(curve)) > 1
-        places, weights = raw_samples(outline, radius, 200)
+        places, weights = raw_samples(outline, radius, 100)
         free = weights[distances(outline, places) >= radius * (1.0 - 1e-12)].sum()
         # Each end that lies between samples costs a sample at most.
         assert abs(free - length(curve)) < weights.max() * (2 + len(curve.pieces))
-    assert several_loops > 10
+    assert several_loops > 4
 
 
 @pytest.mark.slow
 def test_coincidences_within_rounding_leave_neither_gaps_nor_crashes():
-    for outline, radius, _ in cases(degenerate, seed=3, count=600):
+    for outline, radius, _ in cases(degenerate, seed=3, count=250):
         check_points_and_junctions(outline, contact_curve(outline, radius), 2e-12)
 
 
@@ -254,7 +254,7 @@ def test_sizes_do_not_matter():
     """From rods of a billionth of the outline to walls a million times as wide, and a thousand
     sizes off the origin.
     """
-    for outline, _, _ in cases(generic, seed=4, count=40):
+    for outline, _, _ in cases(generic, seed=4, count=12):
         for radius in (1e-9, 1e-6, 1e3, 1e6):
             check_points_and_junctions(outline, contact_curve(outline, radius), 1e-13)
         moved = Polygon(outline.array + 1e3)
@@ -290,7 +290,7 @@ def marched(outline, radius, start, toward):
 @pytest.mark.slow
 def test_first_touches_are_where_a_marching_rod_stops():
     touched = 0
-    for outline, radius, rng in cases(generic, seed=5, count=60):
+    for outline, radius, rng in cases(generic, seed=5, count=25):
         curve = contact_curve(outline, radius)
         for _ in range(8):
             direction = rng.uniform(0.0, 2.0 * np.pi)
@@ -308,13 +308,13 @@ def test_first_touches_are_where_a_marching_rod_stops():
             assert np.allclose(contact.rod_centre(radius), start + found[0] * toward, atol=1e-9)
             assert expected <= found[0] + 1e-9 and found[0] - expected < 1e-4
             touched += 1
-    assert touched > 150
+    assert touched > 60
 
 
 @pytest.mark.slow
 def test_a_rod_aimed_into_a_wedge_touches_at_the_end_of_one_of_its_pieces():
     wedged = 0
-    for outline, radius, rng in cases(generic, seed=6, count=150):
+    for outline, radius, rng in cases(generic, seed=6, count=60):
         curve = contact_curve(outline, radius)
         for index in (i for i, junction in enumerate(curve.junctions) if junction == "wedge"):
             ends, begins = curve.contacts_at_end(index)
@@ -336,7 +336,7 @@ def test_a_rod_aimed_into_a_wedge_touches_at_the_end_of_one_of_its_pieces():
                 (curve.after[index], pytest.approx(curve.pieces[curve.after[index]].low, abs=1e-6)),
             )
             wedged += 1
-    assert wedged > 100
+    assert wedged > 40
 
 
 def test_a_side_is_touched_where_its_pieces_are():
@@ -365,13 +365,13 @@ def overlaps(outline, radius, place):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["rect1", "tri3", "hex", "ellip1", "ellip3", "butter"])
+@pytest.mark.parametrize("name", ["tri3", "ellip3", "butter"])
 def test_a_touch_lies_behind_a_rod_that_went_on_inside(name):
     """A rod that starts inside touched where one that came the same way from outside does."""
     outline = dataset_sliders()[name].outline
     radius, rng = 0.00475, np.random.default_rng(5)
     pieces = contact_curve(outline, radius).pieces
-    starts = rng.uniform(-2.0, 2.0, (120, 2)) * outline.extent
+    starts = rng.uniform(-2.0, 2.0, (60, 2)) * outline.extent
     starts = starts[[not overlaps(outline, radius, place) for place in starts]]
     directions = np.arctan2(*(-starts).T[::-1]) + rng.normal(0.0, 0.4, len(starts))
     travel, piece, coordinate = first_touches(pieces, radius, starts, directions)
@@ -381,13 +381,13 @@ def test_a_touch_lies_behind_a_rod_that_went_on_inside(name):
     inside = np.array(
         [bool(np.isfinite(place[0])) and overlaps(outline, radius, place) for place in behind]
     )
-    assert inside.sum() > 30
+    assert inside.sum() > 12
     back, same, there = first_touches(pieces, radius, behind[inside], directions[inside])
     assert back == pytest.approx(-1e-3, abs=1e-10) and np.all(same == piece[inside])
     assert there == pytest.approx(coordinate[inside], abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["rect1", "hex", "ellip3"])
+@pytest.mark.parametrize("name", ["hex", "ellip3"])
 def test_a_rod_that_touches_meets_the_object_at_once_or_has_left_it(name):
     """Half a nanometre off or in, as rounding leaves it: inwards the touch is here, outwards there
     is none.

@@ -18,9 +18,11 @@ from cyclemap.mechanics import (
     Material,
     PatchFootprint,
     Polygon,
+    PressedFootprint,
     Pusher,
     SidePush,
     Slider,
+    SurfaceShape,
     corner_footprint,
     grid_footprint,
 )
@@ -73,12 +75,10 @@ LOOPS = {
         0.7,
         {},
     ),
-    "leaning square": (loop_of(SQUARE, 0.2, 0.15, 0.1, lean=0.05), 0.7, {}),
     "triangle": (loop_of("tri1", 0.1, 0.2, 0.1, push=SidePush(1, 0.4, 0.2, 0.08)), 0.7, {}),
     "L shape": (loop_of(L_SHAPE, push=SidePush(0, 0.4, 0.1, 0.05)), 0.7, {}),
     "ellipse": (loop_of(OVAL, 0.2, 0.2, push=ROUND), 0.7, {"ellipse"}),
     "leaning ellipse": (loop_of(OVAL, 0.2, 0.2, lean=0.03, push=ROUND), 0.7, {"ellipse"}),
-    "8 x 8 points": (loop_of("rect1", footprint=grid_footprint(SQUARE, 8)), 0.7, {}),
     "corners": (loop_of("rect1", footprint=corner_footprint(SQUARE)), 0.7, {}),
     "point rod": (loop_of("rect1", rod=(0.0, 0.15)), 0.7, {}),
     "leaving": (
@@ -106,28 +106,20 @@ LOOPS = {
         0.7,
         {"left"},
     ),
-    "a point rod that leaves at a corner": (
-        loop_of("rect1", rod=(0.0, 0.15), push=SidePush(0, 0.02, 0.7, 0.1), surface=STRONG),
-        0.4,
-        {"left"},
-    ),
     "a frictionless rod": (
         loop_of("rect2", rod=(0.00475, 0.0), push=SidePush(3, 0.4, 0.2, 0.06), surface=STRONG),
         0.4,
         {"slide_free"},
     ),
 }
+for name, outline in {"square": SQUARE, "oval": OVAL, "L shape": L_SHAPE}.items():
+    shapes = SurfaceShape.of_bend(1.0, -2.0, 0.5), SurfaceShape.of_bend(2.0, 3.0, -4.0)
+    pressed = PressedFootprint(outline, *shapes)
+    bent = loop_of(outline, footprint=pressed, push=SidePush(0, 0.4, 0.1, 0.05), surface=STRONG)
+    LOOPS[f"{name} on a floor with a shape"] = (bent, 2.1, {})
 # What has all parameters.
-SOLID = (
-    "square",
-    "leaning square",
-    "triangle",
-    "L shape",
-    "point rod",
-    "leaving",
-    "around a corner",
-)
-SOLID += ("a frictionless rod",)
+SOLID = {"square", "triangle", "L shape", "point rod", "leaving", "around a corner"}
+SOLID |= {"a frictionless rod"}
 
 
 def changed(loop, name, amount):
@@ -142,6 +134,13 @@ def changed(loop, name, amount):
             loop,
             footprint=replace(loop.footprint, **{name: getattr(loop.footprint, name) + amount}),
         )
+    if name in SHAPES:
+        part, _, field = name.partition("_")
+        bend = dict(
+            zip(("dome", "bow_x", "bow_y"), getattr(loop.footprint, part).bend, strict=True)
+        )
+        shape = SurfaceShape.of_bend(**bend | {field: bend[field] + amount})
+        return replace(loop, footprint=replace(loop.footprint, **{part: shape}))
     if name in ("hitch_x", "hitch_y"):
         x, y = loop.slider.hitch
         ring = (x + amount, y) if name == "hitch_x" else (x, y + amount)
@@ -215,6 +214,7 @@ def test_a_cycles_derivatives_by_all_parameters_are_its_differences(name):
     assert len(assert_differences(loop, theta)) >= 12
     given = ~np.isnan(loop.sensitivity(theta).jacobian).all(axis=0)
     lacking = {name for name, has in zip(PARAMETERS, given.tolist(), strict=True) if not has}
+    assert ("floor" in name) == (not lacking & {*SHAPES})
     of_corner = {"pusher_radius", "fraction"} if "rests" in name else set()
     assert lacking <= {*SHARES, *SHAPES, *of_corner} and (name in SOLID) <= (
         not lacking - {*SHAPES}
@@ -224,59 +224,41 @@ def test_a_cycles_derivatives_by_all_parameters_are_its_differences(name):
 NOTCH = Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03)))
 OF_SLOT = ((0.004, 0.03), (0.004, 0.0), (-0.004, 0.0), (-0.004, 0.03))
 SLOT = Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), *OF_SLOT, (-0.05, 0.03)))
-# Through concave corners: outline, rod, push, orientation, how the rod goes on.
-WEDGES = (
-    (NOTCH, (0.002, 0.15), SidePush(3, 0.231, 0.912, 0.1), 0.8, "slide_right"),
-    (NOTCH, (0.002, 0.3), SidePush(2, 0.754, -1.048, 0.1), 1.7, "wedge_right"),
-    (SLOT, (0.00475, 0.05), SidePush(2, 0.99, -0.4, 0.08), 0.5, "slide_left"),
-    (NOTCH, (0.00475, 0.45), SidePush(2, 0.93, -0.4636, 0.08), 0.2, "slide_right"),
-)
-
-
-@pytest.mark.parametrize("case", WEDGES)
-def test_the_derivative_by_the_rods_radius_goes_on_through_a_concave_corner(case):
-    """The place of the corner, and of the contacts' ends, moves with the radius."""
-    outline, rod, push, theta, last = case
-    loop = replace(loop_of(SQUARE, rod=rod, push=push), slider=Slider(outline, hitch=(0.0, -0.03)))
-    loop = replace(loop, footprint=None)
-    modes = [mode for mode, _ in story(loop.cycle(theta).push)]
-    assert any(mode.startswith("wedge") for mode in modes) and modes[-1] == last
-    found = loop.sensitivity(theta, ("pusher_radius",)).jacobian[:, 0]
-    wanted = differenced(loop, theta, "pusher_radius")
-    assert np.abs(found - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max())
-
-
 DOZEN = Polygon(
     tuple(
         (0.05 * math.cos(k * math.pi / 6.0), 0.04 * math.sin(k * math.pi / 6.0)) for k in range(12)
     )
 )
-# A point around and into corners: outline, rod's friction, push, orientation, last mode, whether it
-# leaves.
-POINTS = (
-    (SQUARE, 0.15, SidePush(0, 0.915, -0.563, 0.0477), 2.133, "slide_left", True),
-    (SLOT, 0.15, SidePush(5, 0.817, 0.347, 0.112), 5.15, "slide_left", True),
-    (SLOT, 1.0, SidePush(4, 0.778, -0.981, 0.0743), 0.533, "wedge_right", False),
-    (L_SHAPE, 0.15, SidePush(4, 0.07, 0.396, 0.0742), 4.205, "slide_left", False),
-    (NOTCH, 0.6, SidePush(3, 0.176, 0.756, 0.147), 0.873, "slide_right", False),
-    (DOZEN, 0.15, SidePush(3, 0.9, -0.7, 0.03), 2.0, "slide_left", False),
+# Thin rods and points around and into corners, whose place moves with the radius: outline, rod,
+# push, orientation, last mode, why the push ends.
+CORNERS = (
+    (NOTCH, (0.002, 0.15), SidePush(3, 0.231, 0.912, 0.1), 0.8, "slide_right", "distance"),
+    (NOTCH, (0.002, 0.3), SidePush(2, 0.754, -1.048, 0.1), 1.7, "wedge_right", "distance"),
+    (SLOT, (0.00475, 0.05), SidePush(2, 0.99, -0.4, 0.08), 0.5, "slide_left", "distance"),
+    (NOTCH, (0.00475, 0.45), SidePush(2, 0.93, -0.4636, 0.08), 0.2, "slide_right", "distance"),
+    (SQUARE, (0.0, 0.15), SidePush(0, 0.915, -0.563, 0.0477), 2.133, "slide_left", "left"),
+    (SLOT, (0.0, 0.15), SidePush(5, 0.817, 0.347, 0.112), 5.15, "slide_left", "left"),
+    (SLOT, (0.0, 1.0), SidePush(4, 0.778, -0.981, 0.0743), 0.533, "wedge_right", "distance"),
+    (L_SHAPE, (0.0, 0.15), SidePush(4, 0.07, 0.396, 0.0742), 4.205, "slide_left", "distance"),
+    (NOTCH, (0.0, 0.6), SidePush(3, 0.176, 0.756, 0.147), 0.873, "slide_right", "distance"),
+    (DOZEN, (0.0, 0.15), SidePush(3, 0.9, -0.7, 0.03), 2.0, "slide_left", "distance"),
 )
 
 
-@pytest.mark.parametrize("case", POINTS)
-def test_a_points_derivative_by_its_radius_is_that_of_thin_rods_around_and_into_corners(case):
-    """By one-sided differences of whole cycles, at any accuracy of the one that is
-    differentiated."""
-    outline, friction, push, theta, last, leaves = case
-    loop = loop_of(SQUARE, rod=(0.0, friction), push=push)
-    loop = replace(loop, slider=Slider(outline, hitch=(-0.02, -0.02)), footprint=None)
+@pytest.mark.parametrize("case", CORNERS)
+def test_the_derivative_by_the_rods_radius_goes_on_around_and_into_corners(case):
+    """Of points by one-sided differences, at any accuracy of the cycle that is differentiated."""
+    outline, rod, push, theta, last, ended = case
+    slider = Slider(outline, hitch=(-0.02, -0.02))
+    loop = replace(loop_of(SQUARE, rod=rod, push=push), slider=slider, footprint=None)
     pushed = loop.cycle(theta).push
-    assert story(pushed)[-1][0] == last and (pushed.ended == "left") == leaves
+    modes = [mode for mode, _ in story(pushed)]
+    assert (modes[-1], pushed.ended) == (last, ended)
+    assert rod[0] == 0.0 or any(mode.startswith("wedge") for mode in modes)
     wanted = differenced(loop, theta, "pusher_radius")
-    for accuracy in (1e-10, 1e-6):
-        found = (
-            replace(loop, accuracy=accuracy).sensitivity(theta, ("pusher_radius",)).jacobian[:, 0]
-        )
+    for accuracy in (1e-10,) if rod[0] else (1e-10, 1e-6):
+        cycle = replace(loop, accuracy=accuracy)
+        found = cycle.sensitivity(theta, ("pusher_radius",)).jacobian[:, 0]
         assert np.abs(found - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max())
 
 
@@ -292,7 +274,7 @@ def test_a_point_at_a_corner_has_no_derivative_by_its_radius_since_thin_rods_go_
 
 @pytest.mark.slow
 def test_random_cycles_have_the_derivatives_of_their_differences():
-    for seed in (1, 4, 12, 16):
+    for seed in (4, 16):
         case = random_case(seed)
         outline, model = case.model.slider.outline, case.model
         loop = loop_of(
@@ -348,7 +330,7 @@ def test_derivatives_in_a_batch_are_those_of_single_cycles_whatever_their_number
 def test_pushes_kept_for_another_ring_leave_the_same_bits():
     """The ring has no part in a push: drags from kept ends are those of whole cycles,
     slopes too."""
-    plain, theta = cm.CollectionLoop.mit("plywood"), np.linspace(-3.0, 9.0, 25)
+    plain, theta = cm.CollectionLoop.mit("plywood"), np.linspace(-3.0, 9.0, 7)
     for hitch in ((-0.0106, 0.0106), (0.03, -0.02), (0.0, 0.0)):
         for reset in (DragBack(), DragBack(way_points=((0.05, 0.02),), pin_friction_radius=0.001)):
             loop = replace(plain, slider=replace(plain.slider, hitch=hitch), reset=reset)

@@ -151,7 +151,7 @@ def test_there_is_one_spin_as_long_as_the_circle_is_smaller_than_half_the_lever(
     centre of pressure.
     """
     rng, spins, checked = np.random.default_rng(1), np.geomspace(1e-3, 1e2, 200), 0
-    for index in range(40):
+    for index in range(20):
         outline, law = Slider.mit(MIT_SHAPE_NAMES[index % 7]).outline, random_friction(rng)
         lever, angle = rng.uniform(0.05, 1.5) * outline.extent, rng.uniform(0.0, 2.0 * math.pi)
         x, y = np.array(outline.centroid) + lever * np.array((math.cos(angle), math.sin(angle)))
@@ -166,7 +166,7 @@ def test_there_is_one_spin_as_long_as_the_circle_is_smaller_than_half_the_lever(
             counts = (radius[:-1] > 0.0) & (radius[:-1] < 0.5 * lever)
             assert (np.diff(radius)[counts] < 1e-12).all()
             checked += counts.any()
-    assert checked >= 30
+    assert checked >= 14
 
 
 def random_leg(seed):
@@ -190,7 +190,7 @@ def random_leg(seed):
 
 def test_a_turning_object_turns_as_the_rings_friction_does_and_its_forces_balance():
     moved = 0
-    for seed in range(30):
+    for seed in range(15):
         model, pose, radius = random_leg(seed)
         drag = model.drag(pose, HOME, pin_friction_radius=radius)
         course = drag.trajectory
@@ -201,14 +201,14 @@ def test_a_turning_object_turns_as_the_rings_friction_does_and_its_forces_balanc
         assert found.surface < 1e-10 and found.motion < (1e-7 if seed % 3 == 2 else 1e-10)
         assert (sense * found.twists[:, 2] > -1e-6).all() and sense * drag.turn > 0.0
         moved += 1
-    assert moved >= 8
+    assert moved >= 4
 
 
 def test_from_the_whole_lever_on_the_ring_always_holds_the_object():
     """Friction in translation acts at the centre of pressure, so that its torque about the ring is
     its lever's.
     """
-    for seed in range(20):
+    for seed in range(10):
         model, pose, _ = random_leg(seed)
         for share in (1.0 + 1e-8, 3.0):
             stuck = model.drag(pose, HOME, pin_friction_radius=share * ring_lever(model))

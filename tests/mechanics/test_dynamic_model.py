@@ -210,20 +210,20 @@ def test_a_slider_that_never_rests_and_an_integrator_that_gives_up_are_told(monk
     refused(model(tolerance=1.234e-6).push, Pose(), SHORT, told="looser", kind=ConvergenceError)
 
 
-OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {
+OUTLINES = {name: Slider.mit(name).outline for name in ("tri2", "hex", "ellip3")} | {
     "slim": Ellipse(0.08, 0.02)
 }
 
 
 @pytest.mark.parametrize("name", OUTLINES)
 def test_no_place_of_the_outline_is_nearer(name):
-    """Of 40 places up to a third of its size outside."""
+    """Of 20 places up to a third of its size outside."""
     outline, random = OUTLINES[name], np.random.default_rng(4)
     around = outline.extent * random.uniform(-1.4, 1.4, (200, 2)) + outline.centroid
-    places = around[~outline.contains(around)][:40]
+    places = around[~outline.contains(around)][:20]
     symbol = ca.SX.sym("place", 2)
     found = np.array(ca.Function("nearest", [symbol], [nearest_place(outline, symbol)])(places.T)).T
-    assert found.shape == (40, 2)
+    assert found.shape == (20, 2)
     assert np.all(np.hypot(*(found - places).T) <= distances(outline, places) + 1e-12)
     assert distances(outline, found).max() < 1e-9
 
@@ -240,26 +240,17 @@ def dynamic(friction=STRONG, theta=0.3, **numbers) -> np.ndarray:
     return strokes(DynamicModel(SQUARE, friction, Pusher(), **numbers), theta, samples=1)
 
 
-def halvings(
-    name: str, first: float, factor: float, count: int, friction: EllipseFriction
-) -> np.ndarray:
-    """Changes (count - 1, 4) from one value of a number to the next."""
-    values = (first * factor**k for k in range(count))
-    return np.diff(
-        [dynamic(friction, **{"tolerance": 1e-8, name: value}) for value in values], axis=0
-    )
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("friction", [PLYWOOD, STRONG], ids=["plywood", "strong"])
 @pytest.mark.parametrize(
     ("name", "first", "factor", "order"),
     [("stiffness", 1e5, 2.0, 1.0), ("regularisation", 1.6e-3, 0.5, 1.0), ("speed", 0.04, 0.5, 2.0)],
 )
 def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(
-    name, first, factor, order, friction
+    name, first, factor, order
 ):
-    size = np.abs(halvings(name, first, factor, 4, friction)).max(axis=1)
+    """By changes from one value of a number to the next."""
+    runs = [dynamic(tolerance=1e-8, **{name: first * factor**k}) for k in range(4)]
+    size = np.abs(np.diff(runs, axis=0)).max(axis=1)
     assert size.shape == (3,) and np.all(size > 1e-6)
     orders = np.log2(size[:-1] / size[1:])
     # A stroke's end, where stick and slip change, is not smooth in the stiffness.
@@ -268,20 +259,17 @@ def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("friction", [PLYWOOD, STRONG], ids=["plywood", "strong"])
-def test_the_error_stays_within_fifty_times_the_tolerance(friction):
-    exact = dynamic(friction, tolerance=1e-10)
+def test_the_error_stays_within_fifty_times_the_tolerance():
+    exact = dynamic(PLYWOOD, tolerance=1e-10)
     errors = {
-        tolerance: np.abs(dynamic(friction, tolerance=tolerance) - exact).max()
+        tolerance: np.abs(dynamic(PLYWOOD, tolerance=tolerance) - exact).max()
         for tolerance in (1e-5, 1e-6, 1e-8)
     }
     assert all(error < 50.0 * tolerance for tolerance, error in errors.items()), errors
     assert errors[1e-8] < 0.05 * errors[1e-5]
 
 
-@pytest.mark.parametrize(
-    ("friction", "theta"), [(PLYWOOD, 0.3), (PLYWOOD, 2.6), (STRONG, 0.3), (STRONG, 4.0)]
-)
+@pytest.mark.parametrize(("friction", "theta"), [(PLYWOOD, 2.6), (STRONG, 0.3), (STRONG, 4.0)])
 def test_extrapolated_to_no_speed_it_is_the_quasi_static_model(friction, theta):
     """Two speeds, their v^2 taken out: turns agree to 2e-5 rad (0.001 degrees), displacements to 2
     micrometres.
@@ -297,7 +285,7 @@ def test_extrapolated_to_no_speed_it_is_the_quasi_static_model(friction, theta):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MIT_SHAPE_NAMES)
+@pytest.mark.parametrize("name", ["rect2", "tri3", "hex", "ellip2"])
 def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static_model(name):
     """Axis ratio, offset and push drawn: at 20 mm/s a push differs by less than 0.3 degrees, its
     drag by 1.
@@ -333,7 +321,7 @@ def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("theta", [0.0, 2.3])
+@pytest.mark.parametrize("theta", [2.3])
 def test_where_neither_plate_nor_floor_is_flat_both_models_agree(theta):
     plate, trough = SurfaceShape(0.0, 1.1, 0.23), SurfaceShape(10.0, 10.0, math.pi / 2)
     footprint, isotropic = (

@@ -14,7 +14,6 @@ from cyclemap.mechanics import (
     LimitSurface,
     Material,
     PatchFootprint,
-    Polygon,
     Wear,
     load_material,
     worn_friction,
@@ -46,20 +45,6 @@ def test_traction_is_the_slope_of_dissipation_and_turns_with_the_surface(law):
     np.testing.assert_allclose(
         law.turned(0.9).traction(WAYS @ turn, frame), traction @ turn, rtol=0, atol=1e-14
     )
-
-
-def test_the_wrench_of_an_offset_law_is_the_slope_of_dissipation_about_any_origin():
-    """The footprint's centre of pressure lies off the origin, where the constant force acts."""
-    beside = Polygon(((0.02, 0.01), (0.09, 0.0), (0.08, 0.07), (0.01, 0.06)))
-    surface = LimitSurface(PatchFootprint(beside), WORN)
-    twists = np.random.default_rng(3).normal(size=(40, 3)) * (1.0, 1.0, 20.0)
-    slopes = []
-    for axis, step in zip(np.eye(3), (1e-6, 1e-6, 2e-5), strict=True):
-        ahead, behind = twists + step * axis, twists - step * axis
-        slopes.append((surface.dissipation(ahead) - surface.dissipation(behind)) / (2 * step))
-    wrench = surface.wrench(twists)
-    np.testing.assert_allclose(wrench, np.stack(slopes, axis=-1), rtol=0, atol=1e-8)
-    np.testing.assert_allclose(np.sum(wrench * twists, axis=1), surface.dissipation(twists))
 
 
 def test_what_is_no_law_no_velocity_and_no_wear_is_refused_by_name():
@@ -130,7 +115,7 @@ def test_no_path_between_two_laws_leaves_the_laws():
     """Zero stays inside the ellipse (else EllipseFriction refuses),
     also for laws at the very edge."""
     generator = np.random.default_rng(5)
-    for _ in range(300):
+    for _ in range(100):
         fresh, worn = edge_friction(generator), edge_friction(generator)
         worst = max(math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b) for law in (fresh, worn))
         between = worn_friction(fresh, worn, generator.uniform())

@@ -34,13 +34,10 @@ def box(length, width):
 OUTLINES = {
     "square": SQUARE,
     "triangle": Slider.mit("tri3").outline,
-    "hexagon": Slider.mit("hex").outline,
     "concave": Polygon(((0, 0), (0.1, 0), (0.1, 0.06), (0.06, 0.06), (0.06, 0.1), (0, 0.1))),
     "far from the origin": Polygon(((1, 1), (1.1, 1), (1.05, 1.1))),
-    "bar": box(0.1, 0.01),
     "strip": box(0.1, 0.001),
     "blade": box(0.1, 3e-5),
-    "disc": Ellipse(0.05, 0.05),
     "ellipse": Slider.mit("ellip3").outline,
     "slim ellipse": Ellipse(0.1, 0.01),
     "needle": Ellipse(2e-5, 0.1),
@@ -100,7 +97,7 @@ def test_dissipation_wrench_and_hessian_are_those_of_the_definition_in_any_frame
         np.array((1.0, 1.0, 1.0 / footprint.extent)),
     )
     surface = LimitSurface(footprint, law)
-    for twist in random_twists(footprint, 20, 9):
+    for twist in random_twists(footprint, 8, 9):
         value, slope, bend = reference(footprint, law, twist, 0.4)
         assert surface.dissipation(twist, 0.4) == pytest.approx(float(value), rel=1e-12)
         assert np.allclose(

@@ -128,12 +128,19 @@ def test_points_take_about_as_many_steps_as_a_patch():
     assert max(counts[1:]) < 1.3 * counts[0]
 
 
-@pytest.mark.parametrize("side", [2, 4, 8])
-def test_cycles_on_points_keep_their_accuracy(side):
+@pytest.mark.parametrize("law", [PLYWOOD, EllipseFriction(0.3, 0.2, 0.05, 0.02, 0.4)])
+@pytest.mark.parametrize(
+    "footprint",
+    [
+        *(grid_footprint(SLIDER.outline, side) for side in (2, 4, 8)),
+        *(PatchFootprint(SLIDER.outline, corner_share=share) for share in (0.2, 0.6, 1.0)),
+    ],
+)
+def test_cycles_on_points_and_corners_that_carry_a_load_keep_their_accuracy(footprint, law):
+    """What a patch puts on its corners has the kinks of points."""
+    surface = cm.Material("points", law)
     loops = [
-        cm.CollectionLoop.mit(
-            "plywood", footprint=grid_footprint(SLIDER.outline, side), accuracy=accuracy
-        )
+        cm.CollectionLoop.mit(surface, footprint=footprint, accuracy=accuracy)
         for accuracy in (1e-11, 1e-8, 1e-6)
     ]
     fine, close, coarse = (loop.cycles(ORIENTATIONS) for loop in loops)
@@ -193,16 +200,3 @@ def test_heavy_points_hold_the_object_as_independent_balances_say():
         fine = replace(case.model, accuracy=1e-11).push(case.pose, case.push)
         assert abs(push.turn - fine.turn) < 1e-8
     assert held >= 2
-
-
-def test_corners_that_carry_a_load_keep_accuracy_and_balance():
-    """What a patch puts on its corners has the kinks of points."""
-    for share in (0.2, 0.6, 1.0):
-        footprint = PatchFootprint(SLIDER.outline, corner_share=share)
-        model = QuasiStaticModel(
-            SLIDER, EllipseFriction(0.3, 0.2, 0.05, 0.02, 0.4), Pusher(), footprint
-        )
-        fine = replace(model, accuracy=1e-11)
-        for theta in ORIENTATIONS[::3]:
-            pairs = zip(*(one.cycle(theta, PUSH, DragBack()) for one in (model, fine)), strict=True)
-            assert all(abs(one.turn - other.turn) < 1e-8 for one, other in pairs)

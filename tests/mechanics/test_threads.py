@@ -97,14 +97,13 @@ def hasty():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shared", [True, False], ids=["the same loops", "loops of their own"])
-@pytest.mark.parametrize("inner", ["1", "3"], ids=["one thread a call", "three threads a call"])
+@pytest.mark.parametrize(("shared", "inner"), [(True, "1"), (False, "3")])
 def test_eight_threads_come_to_the_same_bits_as_one_after_the_other(
     hasty, alone, shared, inner, monkeypatch
 ):
     monkeypatch.setenv(THREADS_VARIABLE, inner)
     loops = mixture()
-    order = np.random.default_rng(3).permutation(np.repeat(np.arange(len(loops)), 6)).tolist()
+    order = np.random.default_rng(3).permutation(np.repeat(np.arange(len(loops)), 3)).tolist()
 
     def work(number):
         return everything(loops[number] if shared else mixture()[number])
@@ -168,7 +167,7 @@ def child(program: str, threads: str) -> subprocess.Popen:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing can be forked here")
 def test_a_fork_of_a_process_whose_threads_ran_cycles_has_threads_of_its_own():
     forked = (
-        "theta = np.linspace(0.0, 6.0, 64)\n"
+        "theta = np.linspace(0.0, 6.0, 16)\n"
         "before = loop.next_theta(theta)\n"
         "child = os.fork()\n"
         "if child == 0: os._exit(0 if (loop.next_theta(theta) == before).all() else 1)\n"

@@ -101,7 +101,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("self.corner_share * corners, -corners]", "0.0 * corners, -corners]"),
             ("even_share < -_ROUNDING", "even_share < -0.5"),
-            ("(np.arange(count) + 0.5) / count\n    x, y", "np.arange(count) / count\n    x, y"),
+            (
+                "(np.arange(count) + 0.5) / count\n    shares",
+                "np.arange(count) / count\n    shares",
+            ),
             ("weights = load * (1.0 + lever @ lean)", "weights = load * (1.0 - lever @ lean)"),
             ("centroid + INNER * (grid - centroid)", "centroid + 0.9 * (grid - centroid)"),
             (

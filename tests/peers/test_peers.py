@@ -3,17 +3,15 @@ no code.
 """
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from cyclemap.mechanics import Pose, SidePush
+from cyclemap.mechanics import Pose
 from tests.benchmarks.peers import entrants as roster
 from tests.benchmarks.peers.package_push import DYNAMIC, ENGINE
 from tests.benchmarks.peers.plain_push import SCIPY, numpy_push
 from tests.benchmarks.peers.push_problem import ANGLES, Distance, distance, four_corners, plain_grid
-from tests.benchmarks.peers.support_points import Balance, Contact, SupportPoints
 from tests.benchmarks.timing import in_turns
 
 PROBLEMS = {problem.name: problem for problem in (four_corners(), plain_grid())}
@@ -51,35 +49,6 @@ def test_the_pushes_go_around_the_circle_and_take_every_angle_alike():
     assert [sum(push.angle == angle for _, push in pushes) for angle in ANGLES] == [4, 4, 4]
 
 
-def test_the_rod_goes_where_the_package_has_it_go(problem):
-    """Its place at first touch and its direction, found by hand, are those of the engine's
-    trajectory.
-    """
-    model = problem.model(1e-6)
-    for pose, push in problem.pushes[:FEW]:
-        path = model.push(pose, push).trajectory.pusher
-        place, direction = problem.rod_path(pose, push)
-        np.testing.assert_allclose(path[0], place, atol=1e-12)
-        along = path[-1] - path[0]
-        np.testing.assert_allclose(along / np.hypot(*along), direction, atol=1e-9)
-
-
-@pytest.mark.parametrize("cone", [-1, 0, 1])
-def test_the_balance_of_forces_changes_as_its_slope_says(problem, cone):
-    points = SupportPoints(problem, 0.1)
-    contact = Contact(np.array([0.01, 0.045]), np.array([0.0, 1.0]), np.array([-1.0, 0.0]))
-    arms = problem.footprint.quadrature[0] - contact.place
-    spun = np.stack([-arms[:, 1], arms[:, 0]], axis=-1)
-    balance = Balance(points, contact, spun, np.array([0.2, -1.0]), cone)
-    unknown = np.array([3.0, 0.4])[: 1 + abs(cone)]
-    _, slope = balance.residual(unknown)
-    steps = 1e-6 * np.eye(len(unknown))
-    differences = [
-        (balance.residual(unknown + h)[0] - balance.residual(unknown - h)[0]) / 2e-6 for h in steps
-    ]
-    np.testing.assert_allclose(slope, np.transpose(differences), rtol=1e-6, atol=1e-9)
-
-
 def test_plain_numpy_ends_where_the_engine_does(problem):
     """Forces summed over the points and Runge-Kutta's steps, against the contact curve and exact
     stick and slip.
@@ -89,24 +58,6 @@ def test_plain_numpy_ends_where_the_engine_does(problem):
     )
     assert off.place_mm < 0.02
     assert off.turn_deg < 0.04
-
-
-def test_more_steps_bring_plain_numpy_nearer():
-    problem = four_corners()
-    ends = [problem.ends(numpy_push(problem, steps), 2) for steps in (4, 16, 64)]
-    offs = [distance(found, problem.converged[:2]) for found in ends]
-    assert all(more.place_mm < 0.5 * less.place_mm for less, more in pairwise(offs))
-
-
-def test_under_friction_without_directions_turning_the_push_turns_its_end():
-    end_pose = numpy_push(four_corners(), 20)
-    one, other = (
-        end_pose(Pose(0.0, 0.0, theta), SidePush(angle=ANGLES[1])) for theta in (0.0, 1.0)
-    )
-    np.testing.assert_allclose(
-        Pose(theta=1.0).to_world(one.x, one.y), (other.x, other.y), atol=1e-9
-    )
-    assert other.theta == pytest.approx(one.theta + 1.0, abs=1e-7)
 
 
 @pytest.mark.parametrize(
