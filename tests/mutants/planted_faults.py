@@ -637,11 +637,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "redundancy = np.bincount(index, 1.0 + 0.0 * leverage, len(names))",
             ),
             ("best = min(fits, key=lambda fit: fit.deviance)", "best = fits[0]"),
-        ],
-    ),
-    "evidence/identification/identifiability.py": (
-        IDENTIFICATION,
-        [
             ("read_only(np.where(blind, np.inf, error * scale))", "read_only(error * scale)"),
             (
                 "covariance = sandwich + by_weights + believed.T @ believed",

@@ -218,8 +218,9 @@ def collected_blocks(
     length = math.nan if push_length is None else push_length
     wanted = Wanted(first, wear, whole_number("most strokes", most, least=2), length, target)
     chosen = dict(select or {})
-    if isinstance(chosen.get("object"), str):
-        loop = loop_of_plate(loop, str(chosen["object"]))
+    plate = chosen.get("object")
+    if isinstance(plate, str):
+        loop = loop_of_plate(loop, plate)
     data = _Data(loop, RowSelection(_known_objects(loop, chosen), chosen), wanted)
     unused = data.add_paths(paths, progress)
     if len(data.surfaces) > 1:
@@ -466,8 +467,9 @@ def _nothing(
 
 def _known_objects(loop: CollectionLoop, chosen: Selection) -> tuple[str, ...]:
     """The objects whose rows are kept; () where it is not told which is the loop's."""
-    if isinstance(chosen.get("object"), str):
-        return (str(chosen["object"]),)
+    plate = chosen.get("object")
+    if isinstance(plate, str):
+        return (plate,)
     name = loop.slider.name
     if name in MIT_SHAPE_NAMES:
         return MIT_SHAPE_NAMES

@@ -23,9 +23,9 @@ from cyclemap.evidence.identification.data_block import (
     DataBlock,
     JointProblem,
     Labels,
+    asked_by,
     prior_block,
 )
-from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.least_squares import (
     NO_ANSWER,
     NORMAL,
@@ -33,8 +33,10 @@ from cyclemap.evidence.identification.least_squares import (
     MultiStart,
     NoiseLaw,
     Search,
+    Uncertainty,
     multi_start,
     spread_starts,
+    uncertainty,
 )
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
@@ -505,7 +507,7 @@ def _problem(
             f"name what is free, and give no value for it: free {list(free)}, also fixed {both}"
         )
     space.select(tuple(fixed))
-    rest = {name for block in blocks for name in block.parameters}.difference(free, fixed)
+    rest = asked_by(blocks).difference(free, fixed)
     nominal = {name: value for name, value in space.nominal.items() if name in rest}
     notes = [
         f"{name} was neither free nor given: taken as {value:.4g}"

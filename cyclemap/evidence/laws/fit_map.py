@@ -548,15 +548,15 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     places = np.sort(np.mod(pairs.theta, TWO_PI))
     gap = float(np.diff(places, append=places[0] + TWO_PI).max())
     harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
+    problem = ""
     if gap > _WIDEST_GAP:
         problem = (
             f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
         )
+    elif harmonics < 1:
+        problem = f"{pairs.theta.size} cycles are too few to fit a map to"
+    if problem:
         return MeasuredStaircase(path, steps, None, problem)
-    if harmonics < 1:
-        return MeasuredStaircase(
-            path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to"
-        )
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=harmonics)
     if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput(

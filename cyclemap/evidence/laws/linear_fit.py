@@ -140,7 +140,7 @@ def nested_errors(
     design = design * root[:, np.newaxis]
     value = value * root
     errors = np.full((value.size, sizes.size), np.inf)
-    for index in range(int(fold.max()) + 1):
+    for index in range(FOLDS):
         out = fold == index
         q, r = np.linalg.qr(design[~out])
         projected = q.T @ value[~out]
@@ -160,7 +160,6 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
         than the standard error, over the folds, of that very difference: folds that are hard for
         all candidates alike do not blur the comparison.
     """
-    folds = int(fold.max()) + 1
     mean = np.mean(errors, axis=0)
     if not np.isfinite(mean).any():
         raise InvalidInput(
@@ -168,10 +167,9 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
         )
     best = int(np.argmin(mean))
     finite = np.where(np.isfinite(errors), errors, 0.0)
-    excess = np.array(
-        [np.mean((finite - finite[:, [best]])[fold == index], axis=0) for index in range(folds)]
-    )
-    spread = np.std(excess, axis=0, ddof=1) / np.sqrt(folds)
+    excess = finite - finite[:, [best]]
+    by_fold = np.array([np.mean(excess[fold == index], axis=0) for index in range(FOLDS)])
+    spread = np.std(by_fold, axis=0, ddof=1) / np.sqrt(FOLDS)
     # Errors of rounding size differ by chance: there the floor decides for the simpler.
     floor = 1e-26 * np.max(np.abs(mean[np.isfinite(mean)]))
     good = np.flatnonzero(mean - mean[best] <= spread + floor)
