@@ -515,14 +515,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "window = np.ones(2 * lags + 1)",
             ),
             (
-                "covariance = inverse @ total @ inverse * (count / free)",
+                "covariance = inverse @ total @ inverse * (count / (count - unknowns))",
                 "covariance = inverse @ total @ inverse",
             ),
             (
                 "return float(stdtrit(freedom, 0.5 + 0.5 * probability))",
                 "return float(stdtrit(freedom, probability))",
             ),
-            ("free = value.size - coefficients.size", "free = value.size"),
+            ("residuals / (value.size - unknowns)", "residuals / value.size"),
             (
                 "good = np.flatnonzero(mean - mean[best] <= spread + floor)",
                 "good = np.flatnonzero(mean - mean[best] <= floor)",

@@ -64,16 +64,16 @@ def known_beliefs(
         rows = [_known_value(row, plain, owner.rstrip("]") or plate) for row in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
-        stated, *samples = np.array(rows, dtype=float).tolist()
-        best = float(np.mean(samples)) if samples else stated
-        width = float(np.std(samples)) if samples else 0.0
+        likely = np.array(rows[1:] or rows, dtype=float)
+        best = float(np.mean(likely))
+        width = float(np.std(likely))
         # What is left of alike numbers is rounding.
         if width <= _ALIKE * abs(best):
             width = _SURE.get(plain, 0.0 if plain in _ELLIPSE else _SURE_SHAPE)
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
             least = max(
-                spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if samples else _SURE_SHAPE
+                spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if drawn else _SURE_SHAPE
             )
             width = float(np.sqrt(max(width**2 - spread**2, least**2)))
         if width > 0.0:

@@ -434,9 +434,8 @@ def named_blocks(
         if row.session:
             first.setdefault(row.plate, row.session)
     owners = [row.session or first.get(row.plate, row.plate) for row in known]
-    of_floor = {parameter.name for parameter in SESSION_OWNED}
     owned = [*zip(owners, known, strict=True)]
-    telling = (owner for owner, row in owned if of_floor & {*row.block.parameters})
+    telling = (owner for owner, row in owned if {*FLOOR_NAMES} & {*row.block.parameters})
     sessions = list(dict.fromkeys(telling))
     has_sessions = len(sessions) > 1 or (population and bool(sessions))
     has_plates = len({row.plate for row in known}) > 1

@@ -21,7 +21,7 @@ from cyclemap.evidence.laws.linear_fit import (
     nested_errors,
     simplest_good,
     student_quantile,
-    weighted_least_squares,
+    weighted_fit,
 )
 
 MAX_HARMONICS = 12
@@ -61,8 +61,7 @@ def fit_with_scatter(
     weight = np.ones(value.size)
     change = np.inf
     for _ in range(_MAX_ROUNDS):
-        coefficients, _ = weighted_least_squares(design, value, weight)
-        gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
+        gamma = fit_log_variance(columns, weighted_fit(design, value, weight).residuals ** 2)
         renewed = np.exp(-(columns @ gamma))
         change = float(np.max(np.abs(renewed / weight - 1.0)))
         weight = renewed
@@ -73,10 +72,7 @@ def fit_with_scatter(
             f"mean and scatter still change by {change:.3g}: use fewer noise harmonics"
         )
     gamma[0] += np.log(value.size / (value.size - design.shape[1]))
-    coefficients, inverse = weighted_least_squares(design, value, np.exp(-(columns @ gamma)))
-    residuals = value - design @ coefficients
-    sigma = float(np.sqrt(residuals @ residuals / (value.size - coefficients.size)))
-    return LinearFit(coefficients, inverse, residuals, sigma), gamma
+    return weighted_fit(design, value, np.exp(-(columns @ gamma))), gamma
 
 
 def scatter_weights(theta: Array, log_variance: Array) -> Array:

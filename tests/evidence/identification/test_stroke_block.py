@@ -66,7 +66,7 @@ PLAIN = {**SurfaceParameters().values(), **dict.fromkeys(SHIFTS, 0.0)}
 # What a stroke itself may be off by, rad, and steps wide enough that it counts for little.
 STROKE_ERROR = 3e-4
 STEPS = {**dict.fromkeys((*FLOOR_NAMES, *PLATE_NAMES), 0.12), "pin_friction_radius": 1.6e-5}
-STEPS |= dict.fromkeys(SHIFTS, 1.6e-4) | {"rod_off_turn": 3e-3}
+STEPS |= dict.fromkeys(SHIFTS, 1.6e-4) | {"rod_off_turn": 3e-3} | dict.fromkeys(PACE, 0.3)
 THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)
 
 

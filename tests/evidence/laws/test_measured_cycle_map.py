@@ -45,15 +45,6 @@ def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_no
     assert full_turns(path, level=1.0).size == 2
 
 
-def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should() -> None:
-    pairs = worn_pairs(900)
-    fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, harmonics=1, wear_degree=1)
-    paths = fitted.paths(np.zeros(2), 900, seed=7)
-    first, second = (turn_pace(fitted, path, np.arange(901.0), 0.0, runs=40) for path in paths)
-    assert min(first.measured.size, second.measured.size) >= 10
-    assert 0.5 * (first.inside + second.inside) == pytest.approx(0.95, abs=0.05)
-
-
 GRID = np.linspace(0.0, TURN, 90)
 
 
