@@ -65,7 +65,7 @@ def test_a_belief_alone_keeps_its_deviation_beside_data_that_share_groups() -> N
     rows = np.arange(40)
     data, jacobian = 0.2 + 0.01 * np.cos(7.0 * rows), np.eye(2)[[0] * 40]
     names = ("pusher_friction", "plate_dome")
-    law = linear_block("law", names, jacobian, data, rows // 2, ["m"] * 40)
+    law = linear_block("law", names, jacobian, data, rows // 2, "m")
     beliefs = {"plate_dome": (0.4, 0.1), "pusher_friction": (0.15, 0.05)}
     found = identify([law], list(beliefs), priors=beliefs, starts=1)
     assert found["plate_dome"].value == pytest.approx(0.4, abs=1e-6)

@@ -2,9 +2,8 @@
 intervals that hold, and say when they cannot.
 """
 
-import dataclasses
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -71,9 +70,9 @@ def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_thei
         assert estimate.identifiable and estimate.upper - estimate.lower < 1e-3
         assert estimate.lower < SCAN_TRUTH[estimate.name] < estimate.upper
     law = found.friction()
-    turned = dataclasses.replace(law, m0=-law.m0, n0=-law.n0, phi=law.phi + math.pi)
+    turned = replace(law, m0=-law.m0, n0=-law.n0, phi=law.phi + math.pi)
     table = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175)
-    assert dataclasses.astuple(turned) == pytest.approx(table, abs=2e-3)
+    assert astuple(turned) == pytest.approx(table, abs=2e-3)
     # The median over the middle of a stroke.
     noise = math.sqrt(math.pi / 2.0) * 0.05 / math.sqrt(750)
     assert found.fit.noise[0] == pytest.approx(noise, rel=0.15)

@@ -80,7 +80,7 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed(
 
 def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> None:
     rows = np.arange(8)
-    still = linear_block("still", ("plate_warp_x",), np.zeros((8, 1)), rows, rows, ["none"] * 8)
+    still = linear_block("still", ("plate_warp_x",), np.zeros((8, 1)), rows, rows, "none")
     free, held = [*MOTION[:4], "plate_warp_x"], {"pusher_friction": 0.17}
     found = identify([motion_block(20, 0.02, 0.002), still], free, held, starts=1)
     warp = found["plate_warp_x"]
@@ -120,7 +120,7 @@ def test_questions_that_make_no_sense_are_refused_by_name(free, options, words) 
 def test_the_shift_of_a_data_sets_frame_is_its_plates_in_the_material() -> None:
     rows, jacobian = np.arange(8), np.eye(2)[[0, 1] * 4]
     off, names = 1e-4 * np.cos(rows), tuple(row.name for row in TIP_OFFSET)
-    block = linear_block("ends", names, jacobian, off, rows, ["m"] * 8)
+    block = linear_block("ends", names, jacobian, off, rows, "m")
     block = replace(block, own_parameters=TIP_OFFSET).of_owner("hex", TIP_OFFSET)
     (frame,) = identified_material(identify([block], block.parameters, starts=1), "made").frames
     means = off[::2].mean(), off[1::2].mean()
@@ -137,7 +137,7 @@ def test_left_out_errors_of_a_linear_law_are_those_of_the_hat_matrix(size: int) 
     data = np.cos(3.0 * x) + 0.05 * np.random.default_rng(0).standard_normal(12)
     groups = np.arange(12) // size
     space = ParameterSpace(tuple(Parameter(name, "", "1", -9.0, 9.0, 0.1, 1.0) for name in "abc"))
-    parabola = linear_block("parabola", space.names, design, data, groups, ["1"] * 12)
+    parabola = linear_block("parabola", space.names, design, data, groups, "1")
     problem = JointProblem((parabola,), space, {})
     fit = fitted(problem, space.start)
     hat = design @ np.linalg.inv(design.T @ design) @ design.T

@@ -23,14 +23,26 @@ from cyclemap.evidence.identification.least_squares import (
 )
 from cyclemap.evidence.identification.surface_parameters import SURFACE, Values
 
+X = np.linspace(0.0, 1.0, 12)
+DESIGN = np.stack([np.ones(12), X], axis=-1)
+LINE = ParameterSpace(
+    tuple(Parameter(name, "", "m", -9.0, 9.0, 0.0, 1.0) for name in ("level", "slope"))
+)
+DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
+BLOCK = linear_block("line", LINE.names, DESIGN, DATA, np.arange(12), "m")
+PROBLEM = JointProblem((BLOCK,), LINE, {})
+
+
+def level_of(data: np.ndarray, groups: np.ndarray, kinds: object = "m") -> JointProblem:
+    block = linear_block("level", ("level",), np.ones((len(data), 1)), data, groups, kinds)
+    return JointProblem((block,), LINE.select(("level",)), {})
+
 
 def means(*samples: tuple[str, np.ndarray]) -> JointProblem:
     """The mean of several samples, each a kind of its own: the textbook's common mean."""
     data = np.concatenate([sample for _, sample in samples])
     kinds = np.repeat([kind for kind, _ in samples], [len(sample) for _, sample in samples])
-    rows = np.arange(len(data))
-    block = linear_block("means", ("offset_x",), np.ones((len(data), 1)), data, rows, kinds)
-    return JointProblem((block,), SURFACE.select(("offset_x",)), {})
+    return level_of(data, np.arange(len(data)), kinds)
 
 
 def test_two_kinds_share_a_mean_as_their_noise_weighs_it() -> None:
@@ -143,21 +155,6 @@ def test_starts_are_seeded_lie_within_the_bounds_and_begin_with_the_natural_one(
     assert np.unique(starts, axis=0).shape == (12, 7)
 
 
-X = np.linspace(0.0, 1.0, 12)
-DESIGN = np.stack([np.ones(12), X], axis=-1)
-LINE = ParameterSpace(
-    tuple(Parameter(name, "", "m", -9.0, 9.0, 0.0, 1.0) for name in ("level", "slope"))
-)
-DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
-BLOCK = linear_block("line", LINE.names, DESIGN, DATA, np.arange(12), ["m"] * 12)
-PROBLEM = JointProblem((BLOCK,), LINE, {})
-
-
-def level_of(data: np.ndarray, groups: np.ndarray, kinds: object = "m") -> JointProblem:
-    block = linear_block("level", ("level",), np.ones((len(data), 1)), data, groups, kinds)
-    return JointProblem((block,), LINE.select(("level",)), {})
-
-
 def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students() -> None:
     fit = fitted(PROBLEM, LINE.start)
     errors = uncertainty(PROBLEM, fit)
@@ -188,7 +185,7 @@ def test_the_mean_of_two_samples_weighed_by_their_own_noise_varies_as_meier_says
     """
     count, kinds = np.array([8, 20]), np.repeat(["a", "b"], [8, 20])
     data = np.where(kinds == "a", 0.1, 0.4) * np.random.default_rng(8).standard_normal(28)
-    problem = level_of(data, np.arange(28), kinds)
+    problem = means(("a", data[:8]), ("b", data[8:]))
     fit = fitted(problem, np.zeros(1))
     plain = 1.0 / np.sum(count / fit.noise**2)
     share = plain * count / fit.noise**2

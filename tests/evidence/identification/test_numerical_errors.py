@@ -37,7 +37,7 @@ def usual_values(rng: np.random.Generator) -> dict[str, float]:
 def ratio_block(ratios: np.ndarray) -> DataBlock:
     rows = np.arange(ratios.size)
     ones = np.ones((ratios.size, 1))
-    return linear_block("ratios", ("pusher_friction",), ones, ratios, rows, ["ratio"] * rows.size)
+    return linear_block("ratios", ("pusher_friction",), ones, ratios, rows, "ratio")
 
 
 def test_an_error_of_the_computation_moves_the_estimate_within_its_interval() -> None:

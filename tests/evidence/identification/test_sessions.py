@@ -50,7 +50,7 @@ def seen_block(name: str, unknowns, shape: np.ndarray, rng: np.random.Generator)
     """Twelve observations of a shape, the sum of those that the unknowns tell."""
     seen = np.tile(shape, 12) + 0.3 * rng.standard_normal(36)
     jacobian = np.tile(np.eye(3), (12, len(unknowns) // 3))
-    return linear_block(name, unknowns, jacobian, seen, np.arange(36) // 3, ["seen (kPa)"] * 36)
+    return linear_block(name, unknowns, jacobian, seen, np.arange(36) // 3, "seen (kPa)")
 
 
 def observed(shape: np.ndarray, name: str, rng: np.random.Generator) -> DataBlock:
