@@ -17,7 +17,6 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import asked_by
 from cyclemap.evidence.identification.identify import Identification, NamedInterval
-from cyclemap.evidence.identification.stroke_block import TIP_OFFSET
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
     PACE_NAMES,
@@ -60,7 +59,7 @@ _ALL_AROUND = 0.9
 _AROUND = np.linspace(0.0, TWO_PI, 181)
 _BAND_DRAWS = 200
 POSTERIOR_SAMPLES = 200
-_TIP_NAMES = tuple(row.name for row in TIP_OFFSET)
+_TIP_NAMES = ("tip_offset_x", "tip_offset_y")
 
 
 @dataclass(frozen=True)

@@ -330,6 +330,11 @@ class JointProblem:
         values = self.values(vector)
         return np.concatenate([block.numerical_errors(values) for block in self.blocks])
 
+    def size_by_kind(self, errors: Array) -> Array:
+        """Return the root mean square (kinds,) of errors (n,) by their kinds of noise."""
+        squares = np.bincount(self.kind_index, errors**2)
+        return np.asarray(np.sqrt(squares / np.bincount(self.kind_index)))
+
     def computed_closer(self) -> JointProblem:
         """Return the problem with all blocks computed more closely that can be."""
         return replace(self, blocks=tuple(block.computed_closer() for block in self.blocks))

@@ -415,8 +415,7 @@ def identify(
         known[PRIOR_KIND] = 1.0
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
-    no_folds = np.full(problem.groups.size, -1)
-    fold = random_folds(problem, folds, seed) if folds else no_folds
+    fold = random_folds(problem, folds, seed) if folds else np.full(problem.groups.size, -1)
     # The searches are the first three fifths of the work, cross-validation the rest.
     searching = part_of(progress, 0.0, 5.0 / 3.0)
     validating = part_of(progress, 1.5, 2.5)
@@ -459,9 +458,7 @@ def _searched_closer(
 
 def _is_close_enough(problem: JointProblem, fit: Fit) -> bool:
     """Whether predictions are off by less than the noise of each kind lets one see."""
-    kinds = problem.kind_index
-    squares = np.bincount(kinds, problem.numerical_errors(fit.vector) ** 2)
-    sizes = np.sqrt(squares / np.bincount(kinds))
+    sizes = problem.size_by_kind(problem.numerical_errors(fit.vector))
     return bool(np.all(sizes <= _CLOSE_ENOUGH * fit.noise))
 
 

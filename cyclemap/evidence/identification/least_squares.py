@@ -191,17 +191,15 @@ class Search:
         self.count = 0
         self.progress = progress
         vector = self.inside(start)
-        index = self.problem.kind_index
         held = self.held
-        squares = np.bincount(index, self.at(vector)[0] ** 2, held.size)
-        rows = np.bincount(index, minlength=held.size)
-        first = np.sqrt(squares / rows)
+        first = self.problem.size_by_kind(self.at(vector)[0])
         if not self.floor.size:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
         counts = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
         tolerance = _FIRST
-        close = float(np.clip(_OFF / index.size, _LATER, 10.0 * _LATER))
+        rows = self.problem.kind_index.size
+        close = float(np.clip(_OFF / rows, _LATER, 10.0 * _LATER))
         for _ in range(_ROUNDS):
             fit = self.minimise(vector, noise, tolerance)
             vector = fit.vector
