@@ -15,6 +15,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.data_block import asked_by
 from cyclemap.evidence.identification.identify import Identification, NamedInterval
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
@@ -24,6 +25,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
     Values,
     floor_field,
+    owned_numbers,
     owned_shapes,
     worn_share,
 )
@@ -57,6 +59,7 @@ _ALL_AROUND = 0.9
 _AROUND = np.linspace(0.0, TWO_PI, 181)
 _BAND_DRAWS = 200
 POSTERIOR_SAMPLES = 200
+_TIP_NAMES = ("tip_offset_x", "tip_offset_y")
 
 
 @dataclass(frozen=True)
@@ -393,8 +396,7 @@ def identified_material(
     if not name.strip():
         raise InvalidInput("a material needs a name")
     values = identified.values
-    blocks = identified.problem.blocks
-    asked = {key.partition("[")[0] for block in blocks for key in block.parameters}
+    asked = asked_by(identified.problem.blocks)
     rod_and_ring = {row.name: values[row.name] for row in fields(FoundWith) if row.name in asked}
     floors = identified.floors
     before = Material(name, identified.friction()) if floor is None else floor
@@ -402,6 +404,8 @@ def identified_material(
         PlatePressure(owner or plate, shape=shape) for owner, shape in identified.plates.items()
     ]
     sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
+    shifts = owned_numbers(values, _TIP_NAMES)
+    frames = [FrameShift(owner or plate, *shift) for owner, shift in shifts.items()]
     kept = [known for known in before.plates if not any(known.shares.values())]
     material = Material(
         name,
@@ -412,7 +416,7 @@ def identified_material(
         found_with=replace(before.found_with, **rod_and_ring),
         plates=_joined(kept, plates, "plate"),
         wear=_wear(identified, last_cycle),
-        frames=_joined(before.frames, _frame_shifts(values, plate), "plate"),
+        frames=_joined(before.frames, frames, "plate"),
         noise=before.noise,
         floor=floors.get("", FLAT),
         sessions=_joined(before.sessions, sessions, "name"),
@@ -420,16 +424,6 @@ def identified_material(
         field=floor_field(values),
     )
     return replace(material, posterior=_posterior(identified, material, plate, before.posterior))
-
-
-def _frame_shifts(values: Values, plate: str) -> list[FrameShift]:
-    """How the frames of plates' data are shifted; that of data of one plate is the plate's."""
-    shifts = dict[str, list[float]]()
-    for key, value in values.items():
-        if key.startswith("tip_offset_"):
-            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
-            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
-    return [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
 
 
 def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:

@@ -41,13 +41,10 @@ def of_known_floor(floor: str, plate: str) -> dict[str, tuple[float, float]]:
     """What is believed of pushes of a plate that was never seen on a known floor,
     in a new session."""
     known = load_material(floor)
-    seen = replace(known, plates=(), posterior=None, sessions=(), frames=())
     names = ("pusher_friction", *FLOOR_NAMES)
     beliefs = known_beliefs(known, names, plate)
-    beliefs |= {
-        name: (beliefs[name][0], math.hypot(beliefs[name][1], spread))
-        for name, spread in zip(FLOOR_NAMES, seen.session_spread, strict=True)
-    }
+    for name, spread in zip(FLOOR_NAMES, known.session_spread, strict=True):
+        beliefs[name] = (beliefs[name][0], math.hypot(beliefs[name][1], spread))
     return beliefs | usual_beliefs((*PLATE_NAMES, *TIP_NAMES))
 
 
@@ -57,28 +54,18 @@ def chosen_of(
     """Ten of the pushes by the plan's criterion: what tells most of where all of them end, over
     draws of beliefs.
     """
-    block, rng, noise = (
-        push_end_block(pushes, slider),
-        np.random.default_rng(0),
-        push_noise(READ)[:3],
-    )
-    columns, rod = (
-        [block.parameters.index(name) for name in names] for names in (beliefs, TIP_NAMES)
-    )
+    block, noise = push_end_block(pushes, slider), push_noise(READ)[:3]
+    columns, rod = ([*map(block.parameters.index, names)] for names in (beliefs, TIP_NAMES))
     centre, width = np.array([*beliefs.values()]).T
     rows = []
-    for draw in rng.standard_normal((8, len(beliefs))):
-        values = SurfaceParameters().values() | dict(
-            zip(beliefs, (centre + 0.7 * width * draw).tolist(), strict=True)
-        )
+    for draw in np.random.default_rng(0).standard_normal((8, len(beliefs))):
+        drawn = (centre + 0.7 * width * draw).tolist()
+        values = SurfaceParameters().values() | dict(zip(beliefs, drawn, strict=True))
         jacobian = block.residuals(values)[1].reshape(len(pushes), 3, -1)
         rows.append(over_noise(jacobian[..., columns], SET_OFF * jacobian[..., rod], noise))
     by = np.array(rows)
-    asked = Target(
-        by.reshape(len(by), -1, len(beliefs)),
-        lambda variance: variance.mean(axis=(-2, -1)),
-        lambda _: {},
-    )
+    every = by.reshape(len(by), -1, len(beliefs))
+    asked = Target(every, lambda variance: variance.mean(axis=(-2, -1)), lambda _: {})
     design = Design(np.diag(width**2), by, asked)
     return design.exchanged(design.greedy(10, range(len(pushes))))
 
@@ -96,15 +83,13 @@ def missed(
     sizes = {"push place (m)": float(noise[0]), "push turn (rad)": float(noise[2])}
     block = push_end_block([replace(pushes[index], contact=index) for index in chosen], slider)
     held = dict.fromkeys(SURFACE.names[1:5], 0.0)
-    identification = cm.identify(
-        [block], list(beliefs), held, priors=beliefs, noise=sizes, starts=1, student=4.0
-    )
+    options = {"priors": beliefs, "noise": sizes, "starts": 1, "student": 4.0}
+    identification = cm.identify([block], list(beliefs), held, **options)
     contacts = {pushes[index].contact for index in chosen}
     rest = [push for push in pushes if push.contact not in contacts]
     off = push_end_block(rest, slider).residuals(identification.values)[0].reshape(-1, 3)
-    return float(1e3 * np.hypot(off[:, 0], off[:, 1]).mean()), float(
-        np.degrees(np.abs(off[:, 2]).mean())
-    )
+    turn = np.degrees(np.abs(off[:, 2]).mean())
+    return float(1e3 * np.hypot(off[:, 0], off[:, 1]).mean()), float(turn)
 
 
 def main(draws: int) -> None:

@@ -19,7 +19,13 @@ import numpy as np
 
 import cyclemap as cm
 from cyclemap.errors import ConvergenceError, UnsupportedContact
-from cyclemap.evidence import MeasuredDrag, MeasuredPush, SurfaceParameters
+from cyclemap.evidence import (
+    MeasuredDrag,
+    MeasuredPush,
+    SurfaceParameters,
+    drag_turn_block,
+    push_end_block,
+)
 from cyclemap.evidence.identification.data_block import session_block
 from cyclemap.evidence.identification.session_blocks import SESSION_OWNED
 from cyclemap.evidence.identification.stroke_block import surface_model
@@ -69,34 +75,24 @@ def recorded(
     model = surface_model(SurfaceParameters.from_values(truth), RECT1, accuracy=1e-5)
     shift, pushes, drags = np.array((truth["tip_offset_x"], truth["tip_offset_y"])), [], []
     while len(pushes) < PUSHES:
-        start, way = (
-            Pose(0.0, 0.0, float(rng.uniform(-3.0, 3.0))),
-            float(rng.uniform(-math.pi, math.pi)),
-        )
+        start = Pose(0.0, 0.0, float(rng.uniform(-3.0, 3.0)))
+        way = float(rng.uniform(-math.pi, math.pi))
         along = np.array((math.cos(way), math.sin(way)))
         first = np.array(start.to_world(*rng.uniform(-0.02, 0.02, 2).tolist())) - 0.115 * along
         with suppress(ConvergenceError, UnsupportedContact):
-            end = model.push(start, WorldPush((float(first[0]), float(first[1])), way, 0.115)).end
-            tips = (first - shift, first + 0.115 * along - shift)
-            seen = Pose(
-                *(
-                    np.array((end.x, end.y, end.theta)) + rng.normal(0.0, (PLACE, PLACE, TURN))
-                ).tolist()
-            )
-            pushes.append(
-                MeasuredPush(start, seen, *((float(x), float(y)) for x, y in tips), len(pushes))
-            )
+            end = model.push(start, WorldPush(tuple(first.tolist()), way, 0.115)).end
+            places = (first - shift, first + 0.115 * along - shift)
+            tips = (tuple(place.tolist()) for place in places)
+            off = rng.normal(0.0, (PLACE, PLACE, TURN))
+            seen = Pose(*np.add(off, (end.x, end.y, end.theta)).tolist())
+            pushes.append(MeasuredPush(start, seen, *tips, len(pushes)))
     while len(drags) < DRAGS:
         start = Pose(*rng.uniform(-0.08, 0.08, 2).tolist(), float(rng.uniform(-3.0, 3.0)))
         with suppress(ConvergenceError, UnsupportedContact):
-            end = model.drag(
-                start, ((0.0, 0.0),), pin_friction_radius=truth["pin_friction_radius"]
-            ).end
-            drags.append(
-                MeasuredDrag(
-                    start, Pose(end.x, end.y, end.theta + rng.normal(0.0, DRAGGED)), len(drags)
-                )
-            )
+            radius = truth["pin_friction_radius"]
+            end = model.drag(start, ((0.0, 0.0),), pin_friction_radius=radius).end
+            seen = replace(end, theta=end.theta + rng.normal(0.0, DRAGGED))
+            drags.append(MeasuredDrag(start, seen, len(drags)))
     return pushes, drags
 
 
@@ -108,31 +104,23 @@ def held(count: int, seed: int = 0) -> dict[str, list[bool]]:
         truth, blocks = drawn_truth(rng), []
         sessions = [f"s{session}" for session in range(SESSIONS)]
         for session in sessions:
-            own = {
-                name: truth[name] + SPREAD * float(rng.standard_normal()) for name in FLOOR_NAMES
-            }
+            off = SPREAD * rng.standard_normal(len(FLOOR_NAMES))
+            own = {name: truth[name] + by for name, by in zip(FLOOR_NAMES, off, strict=True)}
             pushes, drags = recorded(truth | own, rng)
-            made = [
-                cm.evidence.push_end_block(pushes, RECT1),
-                cm.evidence.drag_turn_block(drags, RECT1),
-            ]
-            blocks += [
-                replace(one, name=f"{session} {one.name}").of_owner(session, SESSION_OWNED)
-                for one in made
-            ]
+            for block in (push_end_block(pushes, RECT1), drag_turn_block(drags, RECT1)):
+                named = replace(block, name=f"{session} {block.name}")
+                blocks.append(named.of_owner(session, SESSION_OWNED))
             truth |= {f"{name}[{session}]": value for name, value in own.items()}
         beliefs = {name: belief[:2] for name, belief in BELIEVED.items()}
         try:
-            told = cm.identify(
-                [*blocks, session_block(sessions)], list(truth), priors=beliefs, starts=1
-            )
+            every = [*blocks, session_block(sessions)]
+            told = cm.identify(every, list(truth), priors=beliefs, starts=1)
         except ConvergenceError:
             continue
         for name, value in truth.items():
             plain = name.partition("[")[0] + " of a session" * ("[" in name)
-            found.setdefault(plain, []).append(
-                told[name].lower - 1e-12 <= value <= told[name].upper + 1e-12
-            )
+            is_held = told[name].lower - 1e-12 <= value <= told[name].upper + 1e-12
+            found.setdefault(plain, []).append(is_held)
     return found
 
 

@@ -109,9 +109,8 @@ def filled(
 ) -> str:
     """The table of pushes as it is filled in by somebody with a ruler, and read."""
     header, rows = empty_table(loop, pushes, READ, "corners")
-    frame = pd.DataFrame(rows, columns=header).astype(
-        {name: float for name in header if name.endswith("_mm")}
-    )
+    lengths = [name for name in header if name.endswith("_mm")]
+    frame = pd.DataFrame(rows, columns=header).astype(dict.fromkeys(lengths, float))
     slider = loop.slider
     missed = push_noise((0.0, 0.0))
     reading = np.array((READ[0], READ[0], READ[1]))
@@ -233,13 +232,8 @@ def tables(
     if sort == "planned":
         return [filled(loop, world, planned(loop, count), rng)]
     first = filled(loop, world, planned(loop, count // 2), rng)
-    material = identified_material(
-        identified(loop, [first]),
-        "measured",
-        ["plan.csv"],
-        plate=loop.slider.name,
-        floor=loop.material,
-    )
+    known = {"plate": loop.slider.name, "floor": loop.material}
+    material = identified_material(identified(loop, [first]), "measured", ["plan.csv"], **known)
     after = replace(loop, footprint=None).with_material(material)
     return [first, filled(loop, world, plan_pushes(after, count // 2, read=READ).pushes, rng)]
 

@@ -3,19 +3,16 @@ a small version of `python -m tests.calibration`."""
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 from tests.calibration.p_value_studies import STUDIES
 from tests.calibration.planned_pushes import identified_errors
 
-RUNS = 100
+RUNS = 60
 
 
 def rejects_no_more_often(values: np.ndarray, level: float, chance: float | None = None) -> bool:
-    """Whether the share at or below the level is one that a calibrated p-value exceeds once in 2000
-    times at most.
-    """
-    from scipy.stats import binom
-
+    """Whether a calibrated p-value exceeds the share at or below the level once in 2000 times."""
     return np.sum(values <= level + 1e-12) <= binom.ppf(0.9995, values.size, chance or level)
 
 
@@ -52,7 +49,7 @@ def test_errors_after_planned_pushes_of_rods_set_by_hand_are_of_the_size_that_is
     were off by 1.7 of their standard errors. A plate that is warped by 25 kPa is off by 3.3,
     so that single numbers are not asked for.
     """
-    off = np.abs(identified_errors(14))
-    assert off.shape == (14, 12)
+    off = np.abs(identified_errors(6))
+    assert off.shape == (6, 12)
     assert 0.6 < np.median(off) / 0.6745 < 1.4
-    assert 0.9 < np.mean(off < 1.96) < 0.99
+    assert 0.88 < np.mean(off < 1.96) < 1.0

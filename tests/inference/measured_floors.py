@@ -126,16 +126,14 @@ def fitted(
     other : another floor, whose plates are believed to have the shapes that they have there, to
         within what is known of them.
     """
-    data = [folder() / name for speed in speeds for name in PUSHES[speed]] + (
-        [folder() / DRAGS] if drags else []
-    )
+    data = [folder() / name for speed in speeds for name in PUSHES[speed]]
+    data += [folder() / DRAGS] * drags
     loop = CollectionLoop.mit("isotropic")
-    chosen: dict[str, str | float] = {"surface": floor} | (
-        {"object": plates[0]} if len(plates) == 1 else {}
-    )
-    collected = collected_blocks(
-        data, loop, chosen, most=most, population=known is not None, target=TARGET
-    )
+    chosen = {"surface": floor, "object": plates[0]}
+    if len(plates) > 1:
+        del chosen["object"]
+    is_new = known is not None
+    collected = collected_blocks(data, loop, chosen, most=most, population=is_new, target=TARGET)
     blocks = of_plates(collected.blocks, plates)
     free = telling_parameters(blocks, believed=())
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
@@ -143,23 +141,15 @@ def fitted(
     beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])
     beliefs |= known_beliefs(other, [name for name in free if name.startswith("plate_")], plates[0])
     blocks, space = begun(blocks, begin, plates[0])
-    noise = known_spread(known, blocks)
-    found = identify(
-        blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=noise, space=space
-    )
-    odd = [f"; {note}" for note in collected.notes if "odd session" in note]
-    told = (
-        ""
-        if other is None
-        else f"; plates believed to be as on {other.name}, to within what is known of them there"
-    )
-    sources = [
-        f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"
-    ]
-    sources[0] += "".join(odd) + told
-    return Floor(
-        found, identified_material(found, f"{floor}-floor", sources, plate=plates[0], floor=known)
-    )
+    options = {"starts": 1, "student": STUDENT, "noise": known_spread(known, blocks)}
+    found = identify(blocks, free, fixed, priors=beliefs, space=space, **options)
+    source = ", ".join(["the MIT push dataset (Yu et al. 2016)", *(f"{v} mm/s" for v in speeds)])
+    source += "".join(f"; {note}" for note in collected.notes if "odd session" in note)
+    if other is not None:
+        source += f"; plates believed to be as on {other.name}, to within what is known of them"
+        source += " there"
+    name, plate = f"{floor}-floor", plates[0]
+    return Floor(found, identified_material(found, name, [source], plate=plate, floor=known))
 
 
 def begun(
@@ -180,9 +170,9 @@ def begun(
             at = shapes.get(owner.rstrip("]") or plate, np.zeros(3))[PLATE_NAMES.index(plain)]
         return replace(one, start=float(at))
 
-    changed = [
-        replace(block, own_parameters=tuple(map(started, block.own_parameters))) for block in blocks
-    ]
+    changed = []
+    for block in blocks:
+        changed.append(replace(block, own_parameters=tuple(map(started, block.own_parameters))))
     return changed, ParameterSpace(tuple(map(started, SURFACE.parameters)))
 
 
@@ -201,10 +191,8 @@ def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[Measur
     for name in PUSHES[speed]:
         rows = known_columns(read_csv_table(folder() / name), (*ENDS, *RODS))
         pushes += measured_pushes(selected(rows, RowSelection((plate,), {"surface": floor}))[0])
-    return [
-        pushes[k]
-        for k in np.unique(np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int))
-    ]
+    spread = np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int)
+    return [pushes[place] for place in np.unique(spread)]
 
 
 def errors(
@@ -216,9 +204,8 @@ def errors(
     slider, known = Slider.mit(plate), material.pressure_of(plate)
     floor = next((one.shape for one in material.sessions if one.name == session), material.floor)
     shapes = dict(zip(FLOOR_NAMES, floor.bend.tolist(), strict=True))
-    shapes |= (
-        {} if known is None else dict(zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True))
-    )
+    if known is not None:
+        shapes |= zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True)
     rod = material.found_with.pusher_friction or 0.15
     surface = SurfaceParameters.from_friction(material.friction, pusher_friction=rod, **shapes)
     shift = next(((one.x, one.y) for one in material.frames if one.plate == plate), (0.0, 0.0))
@@ -229,9 +216,8 @@ def errors(
             end = predicted_push_ends(model, [push], shift, (), TARGET)[0][0]
             rows.append(end - (push.end.x, push.end.y, push.end.theta))
     off = np.array(rows)
-    return float(1e3 * np.mean(np.hypot(off[:, 0], off[:, 1]))), float(
-        np.degrees(np.mean(np.abs(off[:, 2])))
-    )
+    turn = np.degrees(np.mean(np.abs(off[:, 2])))
+    return float(1e3 * np.mean(np.hypot(off[:, 0], off[:, 1]))), float(turn)
 
 
 def report(title: str, rows: dict[str, tuple[float, float]]) -> None:
@@ -255,18 +241,12 @@ def judge() -> None:
         found = on_both(floor, other)
         flat = Material("flat", found.friction, found_with=found.found_with, frames=found.frames)
         pushes = {plate: measured(floor, plate, 20) for plate in PLATES}
-        report(
-            f"{floor}, isotropic and flat",
-            {plate: errors(flat, plate, pushes[plate]) for plate in PLATES},
-        )
-        report(
-            f"{floor}, floor's mean",
-            {plate: errors(found, plate, pushes[plate]) for plate in PLATES},
-        )
-        at_ten = {
-            plate: errors(found, plate, pushes[plate], session_name(plate, 0.01))
-            for plate in PLATES
-        }
+        for title, known in (("isotropic and flat", flat), ("floor's mean", found)):
+            rows = {plate: errors(known, plate, own) for plate, own in pushes.items()}
+            report(f"{floor}, {title}", rows)
+        at_ten = {}
+        for plate, own in pushes.items():
+            at_ten[plate] = errors(found, plate, own, session_name(plate, 0.01))
         report(f"{floor}, that plate's session", at_ten)
         print(material_toml(replace(found, posterior=None)), flush=True)
 
@@ -282,10 +262,8 @@ def left_out(plate: str) -> None:
         assert shape is not None
         carried = fitted(floor, (10,), (plate,), most=10, known=known, shapes=(shape,)).material
         own = fitted(floor, (10,), (plate,), most=10, known=known, other=there).material
-        report(
-            f"{floor}, shape from {other}, frame from ten pushes",
-            {plate: errors(carried, plate, pushes)},
-        )
+        title = f"{floor}, shape from {other}, frame from ten pushes"
+        report(title, {plate: errors(carried, plate, pushes)})
         report(f"{floor}, ten pushes", {plate: errors(own, plate, pushes)})
 
 
@@ -295,33 +273,25 @@ def staircase() -> None:
     """
     data = [folder() / name for name in (PUSHES[10][0], DRAGS, CYCLES)]
     loop = CollectionLoop.mit("isotropic")
-    collected = collected_blocks(
-        data, loop, {"surface": "plywood", "object": "rect1"}, wear=True, most=MOST
-    )
+    chosen = {"surface": "plywood", "object": "rect1"}
+    collected = collected_blocks(data, loop, chosen, wear=True, most=MOST)
     blocks, space = begun(collected.blocks, load_material("plywood-floor"), "rect1")
     (place,) = (number for number, block in enumerate(blocks) if block.curve is not None)
-    cycles, pushes = (
-        blocks[place],
-        next(block for block in blocks if block.name.endswith("push ends")),
-    )
+    cycles = blocks[place]
+    pushes = next(block for block in blocks if block.name.endswith("push ends"))
     seen = np.arange(len(cycles.groups)) // 100 % 2 == 0
     blocks[place] = cycles.subset(seen)
     free = telling_parameters(blocks)
-    found = identify(
-        blocks, free, priors=usual_beliefs(free), starts=1, student=STUDENT, space=space
-    )
+    options = {"priors": usual_beliefs(free), "starts": 1, "student": STUDENT}
+    found = identify(blocks, free, space=space, **options)
     off = np.degrees(cycles.residuals(found.values)[0])
     assert cycles.motions is not None
     theta, late = cycles.motions[:, 0] % (2.0 * np.pi), np.arange(len(off)) >= 500
     bins = (theta // np.radians(10.0)).astype(int)
     by_bins = [np.mean(off[late & (bins == index)]) for index in np.unique(bins[late])]
-    print(
-        f"cycles left out: {np.sqrt(np.mean(off[~seen] ** 2)):.2f} deg root mean square, ", end=""
-    )
-    print(
-        f"median {np.median(np.abs(off[~seen])):.2f}; map "
-        f"{np.sqrt(np.mean(np.square(by_bins))):.2f}"
-    )
+    size, map_size = (np.sqrt(np.mean(np.square(miss))) for miss in (off[~seen], by_bins))
+    print(f"cycles left out: {size:.2f} deg root mean square, ", end="")
+    print(f"median {np.median(np.abs(off[~seen])):.2f}; map {map_size:.2f}")
     judged = push_end_block(measured("plywood", "rect1", 20), Slider.mit("rect1"))
     ends = judged.function(pushes.own_values(found.values))[0].reshape(-1, 3)
     place_off, turn_off = 1e3 * np.hypot(*ends.T[:2]), np.degrees(np.abs(ends[:, 2]))
@@ -332,9 +302,8 @@ def staircase() -> None:
     robot = read_theta0_pairs(folder() / CYCLES).path
     assert robot is not None
     starts = np.full(RUNS, robot[0])
-    print_beside(
-        "of the likeliest floor", joint_runs(found, collected.last_cycle, starts, 0), robot
-    )
+    likeliest = joint_runs(found, collected.last_cycle, starts, 0)
+    print_beside("of the likeliest floor", likeliest, robot)
     runs = []
     for index, values in enumerate(sampled_values(found, DRAWS, seed=1)):
         vector = np.array([values[name] for name in found.problem.space.names])
@@ -351,9 +320,8 @@ def joint_runs(
     """Lifts of staircases (runs, cycles + 1) on the floor as it was in the session of the cycles,
     with the noise that `plywood-measured` has.
     """
-    material = identified_material(
-        found, "joint", ["pushes, drags and cycles"], plate="rect1", last_cycle=last_cycle
-    )
+    sources = ["pushes, drags and cycles"]
+    material = identified_material(found, "joint", sources, last_cycle=last_cycle)
     session = next(row for row in material.sessions if row.name.endswith(Path(CYCLES).stem))
     assert material.wear is not None and material.wear.floor is not None
     worn = material.wear.floor.bend + session.shape.bend - material.floor.bend
@@ -397,14 +365,11 @@ def make(target: Path, floor: str) -> None:
     if floor == "plywood":
         other = load_material("abs-floor")
         begin = replace(begin, plates=other.plates)
-    material = fitted(
-        floor, (10, 20), drags=True, most=MOST_MADE, begin=begin, other=other
-    ).material
+    options = {"drags": True, "most": MOST_MADE, "begin": begin, "other": other}
+    material = fitted(floor, (10, 20), **options).material
     made = f"made by python -m tests.inference.measured_floors make FOLDER {floor}"
-    words = f"{material.provenance}; {made}"
-    (target / f"{material.name}.toml").write_text(
-        material_toml(replace(material, provenance=words))
-    )
+    told = replace(material, provenance=f"{material.provenance}; {made}")
+    (target / f"{material.name}.toml").write_text(material_toml(told))
 
 
 def plates(target: Path) -> None:
@@ -417,12 +382,9 @@ def plates(target: Path) -> None:
     for plate in PLATES:
         own = known.pressure_of(plate)
         assert own is not None
-        lines.append(f"[plates.{plate}]")
-        lines += [
-            f"{key} = {value:.3f}"
-            for key, value in shape_numbers(own.shape, PLATE_SHAPE_KEYS).items()
-        ]
-        lines.append("")
+        numbers = shape_numbers(own.shape, PLATE_SHAPE_KEYS)
+        rows = [f"{key} = {value:.3f}" for key, value in numbers.items()]
+        lines += [f"[plates.{plate}]", *rows, ""]
     (target / "plates.toml").write_text("\n".join(lines))
 
 

@@ -6,11 +6,9 @@ cycle. `tests/evidence/identified` judges the shipped one on the other blocks.
 """
 
 import math
-import os
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
-from pathlib import Path
+from itertools import pairwise, product
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -30,6 +28,7 @@ from cyclemap.mechanics import (
     worn_friction,
 )
 from cyclemap.mechanics.cycle_batch import run_batch
+from tests.inference.measured_floors import CYCLES as CYCLES_FILE, folder
 
 BLOCK, CYCLES, NODES = 125, 2000.0, 61
 KNOTS = np.array([0.0, 125.0, 250.0, 375.0, 500.0, 750.0, 1000.0, 1250.0, 1500.0, 1750.0, CYCLES])
@@ -75,11 +74,8 @@ class Staircase:
     @cached_property
     def bottleneck(self) -> list[np.ndarray]:
         """Cycles of each stretch in each 2 degrees of the bottleneck."""
-        every = [
-            self.rows(*stretch, low, low + 2.0)
-            for stretch in STRETCHES
-            for low in np.arange(80.0, 112.0, 2.0)
-        ]
+        arcs = product(STRETCHES, np.arange(80.0, 112.0, 2.0))
+        every = [self.rows(*stretch, low, low + 2.0) for stretch, low in arcs]
         return [rows for rows in every if rows.size >= 3]
 
     @cached_property
@@ -104,17 +100,13 @@ def friction(unknown: np.ndarray) -> EllipseFriction:
 def material(unknown: np.ndarray) -> Material:
     """The material of the unknowns, but for its noise."""
     gone = course(unknown[MECHANICS:])
-    bends = tuple(
-        (float(n), round(float(share), 3)) for n, share in zip(KNOTS[1:-1], gone[1:-1], strict=True)
-    )
+    bends = zip(KNOTS[1:-1].tolist(), np.round(gone[1:-1], 3).tolist(), strict=True)
     return Material(
         "plywood-measured",
         friction(unknown[:4]),
         inferred=True,
-        found_with=FoundWith(
-            pusher_friction=float(unknown[11]), pin_friction_radius=1e-3 * abs(float(unknown[12]))
-        ),
-        wear=Wear(friction(unknown[4:8]), CYCLES, bends),
+        found_with=FoundWith(float(unknown[11]), 1e-3 * abs(float(unknown[12]))),
+        wear=Wear(friction(unknown[4:8]), CYCLES, tuple(bends)),
         plates=(PlatePressure("rect1", *map(float, shares(unknown[8:11]))),),
     )
 
@@ -153,22 +145,15 @@ def residuals(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.nda
     shares, rod, little wear, and an even pace.
     """
     off = misses(data, unknown, turns)
-    bins = [
-        np.median(off[rows]) / min(1.5 * DEG, 0.1 * abs(np.median(data.turn[rows])) + 0.2 * DEG)
-        for rows in data.bins
-    ]
-    fine = [
-        np.mean(off[rows])
-        / (
-            0.04 * DEG
-            + 0.12 * abs(np.median(data.turn[rows]))
-            + 0.25 * DEG / math.sqrt(rows.size / 2.0)
-        )
-        for rows in data.bottleneck
-    ]
-    narrow = [
-        np.mean(off[data.rows(n, n + 250, 88.0, 102.0)]) / (0.06 * DEG) for n in range(0, 2000, 250)
-    ]
+    bins, fine = [], []
+    for rows in data.bins:
+        usual = 0.1 * abs(np.median(data.turn[rows])) + 0.2 * DEG
+        bins.append(np.median(off[rows]) / min(1.5 * DEG, usual))
+    for rows in data.bottleneck:
+        usual = 0.04 * DEG + 0.12 * abs(np.median(data.turn[rows]))
+        fine.append(np.mean(off[rows]) / (usual + 0.25 * DEG / math.sqrt(rows.size / 2.0)))
+    paces = [off[data.rows(n, n + 250, 88.0, 102.0)] for n in range(0, 2000, 250)]
+    narrow = np.array([np.mean(rows) for rows in paces]) / (0.06 * DEG)
     single = huber(off[data.rows(0, CYCLES, 70.0, 130.0)] / (0.25 * DEG)) / math.sqrt(24.0)
     prior = [
         *(unknown[8:11] + 1.0) / 3.0,
@@ -176,15 +161,8 @@ def residuals(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.nda
         *(unknown[4:8] - unknown[:4]) / 0.03,
         *np.diff(unknown[MECHANICS:]) / 2.0,
     ]
-    return np.concatenate(
-        [
-            huber(np.array(bins), 2.0),
-            huber(np.array(fine), 2.0),
-            0.7 * np.array(narrow),
-            single,
-            prior,
-        ]
-    )
+    medians = huber(np.array(bins), 2.0), huber(np.array(fine), 2.0)
+    return np.concatenate([*medians, 0.7 * narrow, single, prior])
 
 
 def fitted(data: Staircase, unknown: np.ndarray, most: int = 30) -> np.ndarray:
@@ -199,16 +177,11 @@ def fitted(data: Staircase, unknown: np.ndarray, most: int = 30) -> np.ndarray:
         here, *moved = node_turns([one, *tried[:MECHANICS]])
         moved += [here] * (ALL - MECHANICS)
         now = residuals(data, one, here)
-        return (
-            np.array(
-                [residuals(data, at, run) - now for at, run in zip(tried, moved, strict=True)]
-            ).T
-            / STEPS
-        )
+        after = [residuals(data, at, run) for at, run in zip(tried, moved, strict=True)]
+        return (np.array(after) - now).T / STEPS
 
-    return least_squares(
-        missed, unknown, slopes, method="lm", max_nfev=most, ftol=1e-4, x_scale="jac"
-    ).x
+    options = {"method": "lm", "max_nfev": most, "ftol": 1e-4, "x_scale": "jac"}
+    return least_squares(missed, unknown, slopes, **options).x
 
 
 def noise(data: Staircase, off: np.ndarray) -> CycleNoise:
@@ -220,21 +193,16 @@ def noise(data: Staircase, off: np.ndarray) -> CycleNoise:
     """
     angles = np.multiply.outer(data.theta, np.arange(1, 9))
     smooth = np.concatenate([np.ones((data.theta.size, 1)), np.cos(angles), np.sin(angles)], axis=1)
-    scale, weight, law = (
-        np.maximum(0.3 * DEG, 0.05 * data.turn),
-        data.seen * 1.0,
-        np.zeros(smooth.shape[1]),
-    )
+    scale, law = np.maximum(0.3 * DEG, 0.05 * data.turn), np.zeros(smooth.shape[1])
     for _ in range(15):
-        robust = weight / scale**2 / np.sqrt(1.0 + ((off - smooth @ law) / scale) ** 2)
+        robust = data.seen / scale**2 / np.sqrt(1.0 + ((off - smooth @ law) / scale) ** 2)
         square = smooth.T @ (smooth * robust[:, None]) + 100.0 * np.eye(law.size)
         law = np.linalg.solve(square, smooth.T @ (robust * off))
     rest = off - smooth @ law
     bins = [data.rows(0, CYCLES, *np.degrees(ends)) for ends in pairwise(NOISE_BINS.tolist())]
     place = np.array([np.median(data.theta[rows]) for rows in bins])
-    sizes = np.array(
-        [1.4826 * np.median(np.abs(rest[rows] - np.median(rest[rows]))) for rows in bins]
-    )
+    away = [np.abs(rest[rows] - np.median(rest[rows])) for rows in bins]
+    sizes = np.array([1.4826 * np.median(off) for off in away])
 
     def columns(theta: np.ndarray) -> np.ndarray:
         waves = [wave(k * theta) for k in (1, 2, 3) for wave in (np.cos, np.sin)]
@@ -251,19 +219,16 @@ def noise(data: Staircase, off: np.ndarray) -> CycleNoise:
 
 
 def main() -> None:
-    folder = Path(os.environ.get("CYCLEMAP_DATA", Path(__file__).parents[3] / "shared" / "data"))
-    pairs = read_theta0_pairs(folder / "plywood_rect1_theta0_2000.csv")
+    pairs = read_theta0_pairs(folder() / CYCLES_FILE)
     assert pairs.cycle is not None
     data = Staircase(np.mod(pairs.theta, 2.0 * math.pi), pairs.turn, pairs.cycle)
     shipped = load_material("plywood-measured")
     assert shipped.wear is not None
-    begins = [
-        Anisotropy.of(law).seen_from(0.0) for law in (shipped.friction, shipped.wear.friction)
-    ]
+    laws = shipped.friction, shipped.wear.friction
+    begins = [Anisotropy.of(law).seen_from(0.0) for law in laws]
     (plate,), rod = shipped.plates, shipped.found_with
-    pressure = np.log(
-        np.maximum(list(plate.shares.values()), 1e-3) / (1.0 - sum(plate.shares.values()))
-    )
+    own = np.array(list(plate.shares.values()))
+    pressure = np.log(np.maximum(own, 1e-3) / (1.0 - own.sum()))
     ring = 1e3 * (rod.pin_friction_radius or 0.0)
     parts = np.diff([shipped.wear.share(n) for n in KNOTS])
     start = np.concatenate([*begins, pressure, [rod.pusher_friction, ring], np.log(parts + 1e-3)])

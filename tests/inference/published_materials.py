@@ -89,12 +89,10 @@ def cycle_nodes(
     """
     theta = 2.0 * np.pi * np.arange(count) / count
     runs, by_unknowns = cycles_by_unknowns(surface, loop, theta)
-    values = np.column_stack(
-        [runs.theta_next[0] - theta, runs.push_turn[0], runs.push_displacement[0]]
-    )
-    return values, by_unknowns[
-        :, [CYCLE_OUTPUTS.index(x) for x in ("theta_next", "push_turn", "push_dx", "push_dy")]
-    ]
+    turn = runs.theta_next[0] - theta
+    values = np.column_stack([turn, runs.push_turn[0], runs.push_displacement[0]])
+    names = ("theta_next", "push_turn", "push_dx", "push_dy")
+    return values, by_unknowns[:, [CYCLE_OUTPUTS.index(name) for name in names]]
 
 
 def statistics_block(
@@ -109,32 +107,21 @@ def statistics_block(
     Cycles are computed at `nodes` (odd) orientations with exact derivatives; the law of θ0 is
     differenced through the nodes, to first order, without further mechanics.
     """
-    there, only = (
-        np.array(published.directions),
-        published.material in ONLY_THERE and bool(published.directions),
-    )
+    there = np.array(published.directions)
+    only = published.material in ONLY_THERE and bool(published.directions)
     told = published.first_share is not None
-    kinds = [
-        *MOMENTS,
-        *[STILL] * there.size,
-        *[SLOPE] * there.size,
-        *[ADVANCE] * (nodes * published.always_advancing),
-    ]
-    kinds += [FIRST] * told + [THERE] * only
+    kinds = [*MOMENTS, *[STILL] * there.size, *[SLOPE] * there.size]
+    kinds += [ADVANCE] * (nodes * published.always_advancing) + [FIRST] * told + [THERE] * only
 
     def rows(values: np.ndarray) -> np.ndarray:
         """Predicted less published."""
         found = predicted_statistics(values, published, CYCLE_NOISE, cycles)
-        turn, (ahead, behind) = (
-            values[:, 0],
-            (interpolation(there + step, nodes) for step in (ACROSS, -ACROSS)),
+        turn = values[:, 0]
+        still, ahead, behind = (
+            interpolation(there + step, nodes) @ turn for step in (0.0, ACROSS, -ACROSS)
         )
-        slope = 1.0 + (ahead - behind) @ turn / (2.0 * ACROSS)
-        parts = [
-            found.mean - published.mean,
-            found.std - published.std,
-            interpolation(there, nodes) @ turn,
-        ]
+        slope = 1.0 + (ahead - behind) / (2.0 * ACROSS)
+        parts = [found.mean - published.mean, found.std - published.std, still]
         parts.append(np.maximum(slope - STEEPEST, 0.0))
         if published.always_advancing:
             parts.append(np.minimum(turn - SLOWEST, 0.0))
@@ -149,9 +136,7 @@ def statistics_block(
         found, by_unknowns = cycle_nodes(SurfaceParameters.from_values(values), loop, nodes)
         here, steps = rows(found), [STEP * SURFACE[name].scale for name in CYCLE_UNKNOWNS]
         moved = [rows(found + step * by_unknowns[..., index]) for index, step in enumerate(steps)]
-        return here, np.stack(
-            [(after - here) / step for after, step in zip(moved, steps, strict=True)], axis=-1
-        )
+        return here, (np.array(moved) - here).T / steps
 
     name = f"published statistics of {published.material}"
     return DataBlock(name, CYCLE_UNKNOWNS, function, np.arange(len(kinds)), np.array(kinds))
@@ -170,15 +155,8 @@ def inferred(name: str) -> Material:
     block = statistics_block(published, CollectionLoop.mit())
     noise = {kind: size for kind, size in TOLERANCES.items() if kind in block.kinds}
     with progress_bar(name) as report:
-        found = identify(
-            [block],
-            tuple(beliefs),
-            held,
-            priors=beliefs,
-            noise=noise,
-            starts=STARTS,
-            progress=report,
-        )
+        told = {"priors": beliefs, "noise": noise, "starts": STARTS, "progress": report}
+        found = identify([block], tuple(beliefs), held, **told)
     for note in found.notes:
         print(f"{name}: {note}", flush=True)
     material = identified_material(found, name, [SOURCE])

@@ -76,9 +76,8 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
     place = np.arange(count) + turns / spacing
     nearest = np.rint(place).astype(np.int64)
     offsets = np.arange(-half, half + count % 2 if half == count // 2 else half + 1)
-    weight = np.exp(
-        -0.5 * ((nearest - place)[:, np.newaxis] + offsets) ** 2 * (spacing / sigma) ** 2
-    )
+    off = (nearest - place)[:, np.newaxis] + offsets
+    weight = np.exp(-0.5 * (off * spacing / sigma) ** 2)
     weight /= weight.sum(axis=1, keepdims=True)
     rows = (nearest[:, np.newaxis] + offsets) % count
     columns = np.broadcast_to(np.arange(count)[:, np.newaxis], rows.shape)
@@ -148,9 +147,8 @@ def predicted_statistics(
     """
     theta = 2.0 * np.pi * np.arange(GRID) / GRID
     # Between the nodes by the Fourier series through them.
-    turn, *motions = np.fft.irfft(np.fft.rfft(values, axis=0), GRID, axis=0).T * (
-        GRID / len(values)
-    )
+    series = np.fft.irfft(np.fft.rfft(values, axis=0), GRID, axis=0).T
+    turn, *motions = series * (GRID / len(values))
     # A share of the first direction is told of a run that starts there.
     start = None if published.first_share is None else published.directions[0]
     law = run_law(turn, sigma, cycles, start)
@@ -189,32 +187,22 @@ class PublishedComparison:
     @property
     def sentence(self) -> str:
         """Means, spreads and directions, predicted and published, in words."""
-        both = (
-            (np.array(one.mean) * _UNITS, np.array(one.std) * _UNITS)
-            for one in (self.predicted, self.published)
-        )
-        numbers = [
-            [f"{at:.1f} +- {by:.2f}" for at, by in zip(mean, std, strict=True)]
-            for mean, std in both
-        ]
+        numbers = []
+        for row in (self.predicted, self.published):
+            columns = zip(row.mean * _UNITS, row.std * _UNITS, strict=True)
+            numbers.append([f"{mean:.1f} +- {std:.2f}" for mean, std in columns])
         pairs = zip(("turn", "dx", "dy"), ("deg", "mm", "mm"), *numbers, strict=True)
-        told = ", ".join(
-            f"{name} {found} {unit} (published {given})" for name, unit, found, given in pairs
-        )
-        told += (
-            f"; stable directions {_degrees(self.stable)}, peaks of the histogram "
-            f"{_degrees(self.peaks)}"
-        )
+        words = [f"{name} {found} {unit} (published {given})" for name, unit, found, given in pairs]
+        told = f"{', '.join(words)}; stable directions {_degrees(self.stable)}, peaks of the "
+        told += f"histogram {_degrees(self.peaks)}"
         told += f" (published {_degrees(self.published.directions)})"
         missed = np.array(self.published.directions)[self.misses > DIRECTION_TOLERANCE]
         if missed.size:
             told += f"; no peak within 15 deg of {_degrees(missed)}"
         if self.published.first_share is not None:
-            share = (
-                f"{100 * self.predicted.first_share:.1f} % (published "
-                f"{100 * self.published.first_share:.1f} %)"
-            )
-            told += f"; share of the first direction {share}"
+            shares = self.predicted.first_share, self.published.first_share
+            found, given = (f"{100 * share:.1f} %" for share in shares)
+            told += f"; share of the first direction {found} (published {given})"
         if self.published.always_advancing:
             least = np.degrees(self.predicted.turn.min())
             told += f"; the least turn of a cycle {least:.2f} deg (published: always positive)"
@@ -241,16 +229,13 @@ def published_comparison(material: Material | str | Path) -> PublishedComparison
     # Where the turn falls through zero, by linear interpolation.
     ahead, law = np.roll(found.turn, -1), found.law
     falls = np.flatnonzero((found.turn > 0.0) & (ahead <= 0.0))
-    places = found.theta[falls] + found.theta[1] * found.turn[falls] / (
-        found.turn[falls] - ahead[falls]
-    )
+    share = found.turn[falls] / (found.turn[falls] - ahead[falls])
+    places = found.theta[falls] + found.theta[1] * share
     stable = places[np.argsort(-law[falls])] % (2.0 * np.pi)
-    tops = np.flatnonzero(
-        (law >= np.roll(law, 1)) & (law > np.roll(law, -1)) & (law * law.size > PEAK)
-    )
-    return PublishedComparison(
-        surface.name, given, found, stable, found.theta[tops[np.argsort(-law[tops])]]
-    )
+    is_top = (law >= np.roll(law, 1)) & (law > np.roll(law, -1)) & (law * law.size > PEAK)
+    tops = np.flatnonzero(is_top)
+    peaks = found.theta[tops[np.argsort(-law[tops])]]
+    return PublishedComparison(surface.name, given, found, stable, peaks)
 
 
 def _degrees(angles: Iterable[float]) -> str:

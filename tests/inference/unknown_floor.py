@@ -52,14 +52,9 @@ PROVENANCE = (
     "loop turns the square by as much as in the median of the samples"
 )
 PARAMETERS = (
-    *("mu_a", "mu_b", "m0", "n0", "phi_deg", "floor_dome_kpa", "floor_bow_kpa", "floor_bow_deg"),
-    *(
-        "pusher_mu",
-        "pin_friction_mm",
-        "any.plate_dome_kpa",
-        "any.plate_warp_kpa",
-        "any.plate_warp_deg",
-    ),
+    *("mu_a", "mu_b", "m0", "n0", "phi_deg"),
+    *("floor_dome_kpa", "floor_bow_kpa", "floor_bow_deg", "pusher_mu", "pin_friction_mm"),
+    *("any.plate_dome_kpa", "any.plate_warp_kpa", "any.plate_warp_deg"),
 )
 
 
@@ -90,9 +85,8 @@ def offset_size(rng: np.random.Generator) -> float:
 def sample(rng: np.random.Generator) -> list[float]:
     """One floor with a plate, in the order of PARAMETERS."""
     mean, spread = floor_shapes()[rng.integers(len(FLOORS))]
-    bend = turned(mean + spread * rng.normal(size=3), rng.uniform(0.0, math.pi)) * rng.lognormal(
-        sigma=STIFFNESS
-    )
+    bend = turned(mean + spread * rng.normal(size=3), rng.uniform(0.0, math.pi))
+    bend *= rng.lognormal(sigma=STIFFNESS)
     plates = built_in_plates()
     own = turned(plates[rng.integers(len(plates))].shape.bend, rng.uniform(0.0, math.pi))
     floor, plate = SurfaceShape.of_bend(*bend.tolist()), SurfaceShape.of_bend(*own.tolist())
@@ -100,14 +94,11 @@ def sample(rng: np.random.Generator) -> list[float]:
     toward = rng.uniform(0.0, 2.0 * math.pi)
     rod = float(np.clip(rng.normal(ROD, ROD_SPREAD), 0.05, 0.4))
     ring = 1e3 * abs(rng.normal(RING, RING_SPREAD))
+    axes = MEAN_FRICTION * stretch, MEAN_FRICTION / stretch
+    centre = offset * math.cos(toward), offset * math.sin(toward)
     return [
-        *(
-            MEAN_FRICTION * stretch,
-            MEAN_FRICTION / stretch,
-            offset * math.cos(toward),
-            offset * math.sin(toward),
-        ),
-        *(rng.uniform(0.0, 180.0), floor.dome, floor.bow, math.degrees(floor.axis), rod, ring),
+        *(*axes, *centre, rng.uniform(0.0, 180.0)),
+        *(floor.dome, floor.bow, math.degrees(floor.axis), rod, ring),
         *(plate.dome, plate.bow, math.degrees(plate.axis)),
     ]
 

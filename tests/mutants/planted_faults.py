@@ -513,14 +513,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "window = np.ones(2 * lags + 1)",
             ),
             (
-                "covariance = inverse @ total @ inverse * (count / free)",
+                "covariance = inverse @ total @ inverse * (count / (count - unknowns))",
                 "covariance = inverse @ total @ inverse",
             ),
             (
                 "return float(stdtrit(freedom, 0.5 + 0.5 * probability))",
                 "return float(stdtrit(freedom, probability))",
             ),
-            ("free = value.size - coefficients.size", "free = value.size"),
+            ("residuals / (value.size - unknowns)", "residuals / value.size"),
             (
                 "good = np.flatnonzero(mean - mean[best] <= spread + floor)",
                 "good = np.flatnonzero(mean - mean[best] <= floor)",
@@ -635,11 +635,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "redundancy = np.bincount(index, 1.0 + 0.0 * leverage, len(names))",
             ),
             ("best = min(fits, key=lambda fit: fit.deviance)", "best = fits[0]"),
-        ],
-    ),
-    "evidence/identification/identifiability.py": (
-        IDENTIFICATION,
-        [
             ("read_only(np.where(blind, np.inf, error * scale))", "read_only(error * scale)"),
             (
                 "covariance = sandwich + by_weights + believed.T @ believed",

@@ -218,8 +218,9 @@ def collected_blocks(
     length = math.nan if push_length is None else push_length
     wanted = Wanted(first, wear, whole_number("most strokes", most, least=2), length, target)
     chosen = dict(select or {})
-    if isinstance(chosen.get("object"), str):
-        loop = loop_of_plate(loop, str(chosen["object"]))
+    plate = chosen.get("object")
+    if isinstance(plate, str):
+        loop = loop_of_plate(loop, plate)
     data = _Data(loop, RowSelection(_known_objects(loop, chosen), chosen), wanted)
     unused = data.add_paths(paths, progress)
     if len(data.surfaces) > 1:
@@ -300,9 +301,11 @@ class _Data:
     def add_file(self, file: DataFile, progress: Progress) -> None:
         """Add the blocks of one sort of data in a file, session by session."""
         about = str(file.path)
-        pushes, reasons = self._rows(file, part_of(progress, 0, 2))
+        pushes, reasons, moved = self._rows(file, part_of(progress, 0, 2))
         words = [f"{count} left out: {reason}" for reason, count in reasons.items()]
-        self.notes += [(about, note) for note in (*words, *self._checked(file, pushes))]
+        if moved is not None:
+            words += self._checked(file, moved)
+        self.notes += [(about, note) for note in words]
         self.last = max(self.last, _last_number(pushes.table, file.sort == CYCLES))
         self.surfaces |= {*told(pushes.table["surface"]), *told(pushes.scans["surface"])}
         self.objects |= {*told(pushes.table["object"]), *told(pushes.scans["object"])}
@@ -327,15 +330,22 @@ class _Data:
                     self.taken.append(replace(row, plate=plate, session=name))
                     self.notes.append((about, f"{row.words} of {plate}"))
 
-    def _rows(self, file: DataFile, progress: Progress) -> tuple[PushTable, Counter[str]]:
-        """The rows of a file that take part, and how many stay out, by reason."""
+    def _rows(
+        self, file: DataFile, progress: Progress
+    ) -> tuple[PushTable, Counter[str], PushTable | None]:
+        """The rows of a file that take part, how many stay out, by reason, and the pushes whose
+        motions bear out how it was read; None where there are none.
+        """
+        moved = None
         if file.table is None:
             pushes, reasons = select_pushes(file.path, self.selection, False, progress)
+            moved = pushes
         elif file.sort in SORT_COLUMNS:
             every = known_columns(file.table, SORT_COLUMNS[file.sort])
             known = convention_of(file.path).rows(every)
             if file.sort == PUSH_ENDS:
-                known = _followed(known, table_pushes(file.table))
+                moved = table_pushes(file.table)
+                known = _followed(known, moved)
             rows, reasons = selected(known, self.selection)
             pushes = PushTable(rows, rows[:0], ())
         else:
@@ -343,17 +353,13 @@ class _Data:
             whole = table_pushes(file.table)
             kept = pushes_of(whole, self.selection, reasons)
             pushes = replace(kept, unreadable=whole.unreadable)
+            moved = pushes
         for bad in pushes.unreadable[:1]:
             reasons[f"unreadable, the first {bad.path.name}: {bad.reason}"] = len(pushes.unreadable)
-        return pushes, reasons
+        return pushes, reasons, moved
 
     def _checked(self, file: DataFile, pushes: PushTable) -> tuple[str, ...]:
         """How pushes were read, and how well their motions bear that out."""
-        if file.sort == PUSH_ENDS:
-            assert file.table is not None
-            pushes = table_pushes(file.table)
-        elif file.sort in SORT_COLUMNS:
-            return ()
         words = check_pushes(pushes, self.loop)
         # A table that was planned tells its axes and angles.
         by_marks = file.table is not None and FRAMES_AGREE in file.table.header
@@ -466,8 +472,9 @@ def _nothing(
 
 def _known_objects(loop: CollectionLoop, chosen: Selection) -> tuple[str, ...]:
     """The objects whose rows are kept; () where it is not told which is the loop's."""
-    if isinstance(chosen.get("object"), str):
-        return (str(chosen["object"]),)
+    plate = chosen.get("object")
+    if isinstance(plate, str):
+        return (plate,)
     name = loop.slider.name
     if name in MIT_SHAPE_NAMES:
         return MIT_SHAPE_NAMES

@@ -4,7 +4,7 @@ parameters.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -18,6 +18,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,
     FLOOR_NAMES,
     PACE_NAMES,
+    PLATE_NAMES,
     Parameter,
     ParameterSpace,
     Rows,
@@ -48,13 +49,9 @@ USUAL = MappingProxyType(
         "offset_x": (0.0, 0.15),
         "offset_y": (0.0, 0.15),
         "pusher_friction": (0.15, 0.05),
-        **{
-            f"{worn}floor_{name}": (0.0, 8.0)
-            for worn in ("", "worn_")
-            for name in ("dome", "bow_x", "bow_y")
-        },
+        **{f"{worn}{name}": (0.0, 8.0) for worn in ("", "worn_") for name in FLOOR_NAMES},
         **dict.fromkeys(FIELD_NAMES, (0.0, 2.0)),
-        **{f"plate_{name}": (0.0, 6.0) for name in ("dome", "warp_x", "warp_y")},
+        **dict.fromkeys(PLATE_NAMES, (0.0, 6.0)),
         "pin_friction_radius": (0.8e-3, 0.5e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
@@ -245,6 +242,11 @@ class DataBlock:
         return replace(self, parameters=parameters, own_parameters=(*new, *kept))
 
 
+def asked_by(blocks: Iterable[DataBlock]) -> set[str]:
+    """Return the names of the parameters that blocks depend on."""
+    return {name for block in blocks for name in block.parameters}
+
+
 def set_fields(frozen: object, **values: object) -> None:
     """Set fields of a frozen dataclass while it is made."""
     for name, value in values.items():
@@ -284,7 +286,7 @@ class JointProblem:
             raise InvalidInput(
                 f"blocks must have names of their own, and there must be one at least, not {names}"
             )
-        asked = {name for block in self.blocks for name in block.parameters}
+        asked = asked_by(self.blocks)
         idle = [name for name in self.space.names if name not in asked]
         if idle:
             raise InvalidInput(
@@ -328,6 +330,11 @@ class JointProblem:
         values = self.values(vector)
         return np.concatenate([block.numerical_errors(values) for block in self.blocks])
 
+    def size_by_kind(self, errors: Array) -> Array:
+        """Return the root mean square (kinds,) of errors (n,) by their kinds of noise."""
+        squares = np.bincount(self.kind_index, errors**2)
+        return np.asarray(np.sqrt(squares / np.bincount(self.kind_index)))
+
     def computed_closer(self) -> JointProblem:
         """Return the problem with all blocks computed more closely that can be."""
         return replace(self, blocks=tuple(block.computed_closer() for block in self.blocks))
@@ -343,7 +350,7 @@ class JointProblem:
             rows = chosen[self.block_index == index]
             if rows.any():
                 blocks.append(block if rows.all() else block.subset(rows))
-        asked = {name for block in blocks for name in block.parameters}
+        asked = asked_by(blocks)
         idle = {name: values[name] for name in self.space.names if name not in asked}
         space = self.space.select(tuple(name for name in self.space.names if name in asked))
         return JointProblem(tuple(blocks), space, {**self.fixed, **idle})

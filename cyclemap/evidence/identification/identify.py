@@ -23,9 +23,9 @@ from cyclemap.evidence.identification.data_block import (
     DataBlock,
     JointProblem,
     Labels,
+    asked_by,
     prior_block,
 )
-from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.least_squares import (
     NO_ANSWER,
     NORMAL,
@@ -33,8 +33,10 @@ from cyclemap.evidence.identification.least_squares import (
     MultiStart,
     NoiseLaw,
     Search,
+    Uncertainty,
     multi_start,
     spread_starts,
+    uncertainty,
 )
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
@@ -413,8 +415,7 @@ def identify(
         known[PRIOR_KIND] = 1.0
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
-    no_folds = np.full(problem.groups.size, -1)
-    fold = random_folds(problem, folds, seed) if folds else no_folds
+    fold = random_folds(problem, folds, seed) if folds else np.full(problem.groups.size, -1)
     # The searches are the first three fifths of the work, cross-validation the rest.
     searching = part_of(progress, 0.0, 5.0 / 3.0)
     validating = part_of(progress, 1.5, 2.5)
@@ -457,9 +458,7 @@ def _searched_closer(
 
 def _is_close_enough(problem: JointProblem, fit: Fit) -> bool:
     """Whether predictions are off by less than the noise of each kind lets one see."""
-    kinds = problem.kind_index
-    squares = np.bincount(kinds, problem.numerical_errors(fit.vector) ** 2)
-    sizes = np.sqrt(squares / np.bincount(kinds))
+    sizes = problem.size_by_kind(problem.numerical_errors(fit.vector))
     return bool(np.all(sizes <= _CLOSE_ENOUGH * fit.noise))
 
 
@@ -505,7 +504,7 @@ def _problem(
             f"name what is free, and give no value for it: free {list(free)}, also fixed {both}"
         )
     space.select(tuple(fixed))
-    rest = {name for block in blocks for name in block.parameters}.difference(free, fixed)
+    rest = asked_by(blocks).difference(free, fixed)
     nominal = {name: value for name, value in space.nominal.items() if name in rest}
     notes = [
         f"{name} was neither free nor given: taken as {value:.4g}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.identification.collected_blocks import CollectedBlocks
-from cyclemap.evidence.identification.data_block import SESSION_KINDS, USUAL, DataBlock
+from cyclemap.evidence.identification.data_block import SESSION_KINDS, USUAL, DataBlock, asked_by
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.session_blocks import PLATE_OWNED, SESSION_OWNED
 from cyclemap.evidence.identification.surface_parameters import (
@@ -64,16 +64,16 @@ def known_beliefs(
         rows = [_known_value(row, plain, owner.rstrip("]") or plate) for row in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
-        stated, *samples = np.array(rows, dtype=float).tolist()
-        best = float(np.mean(samples)) if samples else stated
-        width = float(np.std(samples)) if samples else 0.0
+        likely = np.array(rows[1:] or rows, dtype=float)
+        best = float(np.mean(likely))
+        width = float(np.std(likely))
         # What is left of alike numbers is rounding.
         if width <= _ALIKE * abs(best):
             width = _SURE.get(plain, 0.0 if plain in _ELLIPSE else _SURE_SHAPE)
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
             least = max(
-                spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if samples else _SURE_SHAPE
+                spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if drawn else _SURE_SHAPE
             )
             width = float(np.sqrt(max(width**2 - spread**2, least**2)))
         if width > 0.0:
@@ -113,14 +113,15 @@ def known_shapes(
     """Return what known shapes of plates tell of the unknowns of blocks, kPa; of those without a
     name, of `plate`.
     """
-    asked = {name for block in blocks for name in block.parameters}
+    asked = asked_by(blocks)
     values: dict[str, float] = {}
     for known in plates:
         for name, size in zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True):
-            alone = {name: size} if known.plate == plate and name in asked else {}
-            values |= (
-                {f"{name}[{known.plate}]": size} if f"{name}[{known.plate}]" in asked else alone
-            )
+            owned = f"{name}[{known.plate}]"
+            if owned in asked:
+                values[owned] = size
+            elif known.plate == plate and name in asked:
+                values[name] = size
     return values
 
 
@@ -133,7 +134,7 @@ def held_values(
     """Return the values of what is held: the friction ellipse, as the space has it, a ring of which
     nothing is told, as usual, and how a floor's shape varies.
     """
-    asked = {name for block in blocks for name in block.parameters} - {*free}
+    asked = asked_by(blocks) - {*free}
     values = {
         name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]
     }
@@ -167,11 +168,9 @@ def telling_parameters(
     >>> telling_parameters([ratios])
     ('pusher_friction',)
     """
-    asked = {name for block in blocks for name in block.parameters}
-    by_cycles = {name for block in blocks if block.curve for name in block.parameters}
-    of_ellipse = by_cycles | {
-        name for block in blocks if block.motions is None for name in block.parameters
-    }
+    asked = asked_by(blocks)
+    by_cycles = asked_by(block for block in blocks if block.curve)
+    of_ellipse = by_cycles | asked_by(block for block in blocks if block.motions is None)
     by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
     owned = {row.name for row in (*PLATE_OWNED, *SESSION_OWNED)}

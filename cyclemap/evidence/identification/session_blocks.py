@@ -319,22 +319,17 @@ def push_end_blocks(
     """
     late = _late(rows, wanted)
     yield from left_out(f"pushes before {wanted.first}", len(rows) - len(late))
-    yield from _late_end_blocks(late, loop, wanted, first_set) if len(late) else ()
-
-
-def _late_end_blocks(
-    rows: pandas.DataFrame, loop: CollectionLoop, wanted: Wanted, first_set: int
-) -> Taken:
-    """Give the ends of pushes of which none is too early; see `push_end_blocks`."""
-    pushes = measured_pushes(rows)
-    errors = rows["tip_error"].fillna(0.0)
+    if late.empty:
+        return
+    pushes = measured_pushes(late)
+    errors = late["tip_error"].fillna(0.0)
     small = errors[errors <= LARGEST_TIP_ERROR]
     strayed = float(small.mean()) if len(small) else 0.0
-    yield from left_out("the tip was not where it was sent", len(rows) - len(pushes))
-    by_marks = first_set if rows[FRAMES_AGREE].notna().any() else None
+    yield from left_out("the tip was not where it was sent", len(late) - len(pushes))
+    by_marks = first_set if late[FRAMES_AGREE].notna().any() else None
     places = [push.contact for push in pushes]
     alone = np.arange(len(pushes))
-    read = _read_errors(rows)
+    read = _read_errors(late)
     yield from _end_blocks(pushes, places, alone, loop, wanted, read, by_marks, strayed)
 
 
@@ -439,9 +434,8 @@ def named_blocks(
         if row.session:
             first.setdefault(row.plate, row.session)
     owners = [row.session or first.get(row.plate, row.plate) for row in known]
-    of_floor = {parameter.name for parameter in SESSION_OWNED}
     owned = [*zip(owners, known, strict=True)]
-    telling = (owner for owner, row in owned if of_floor & {*row.block.parameters})
+    telling = (owner for owner, row in owned if {*FLOOR_NAMES} & {*row.block.parameters})
     sessions = list(dict.fromkeys(telling))
     has_sessions = len(sessions) > 1 or (population and bool(sessions))
     has_plates = len({row.plate for row in known}) > 1

@@ -510,6 +510,19 @@ class SurfaceParameters:
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
 
 
+def owned_numbers(values: Values, names: tuple[str, ...]) -> dict[str, list[float]]:
+    """Return the numbers that have these names, by their owner, in order of the owners; of what has
+    no owner, under the empty. What is not told is 0.
+    """
+    numbers: dict[str, list[float]] = {}
+    for name, value in values.items():
+        plain, _, owner = name.partition("[")
+        if plain in names:
+            own = numbers.setdefault(owner.rstrip("]"), [0.0] * len(names))
+            own[names.index(plain)] = value
+    return dict(sorted(numbers.items()))
+
+
 def owned_shapes(values: Values, names: tuple[str, ...]) -> dict[str, SurfaceShape]:
     """Return the shapes, kPa at 50 mm, that three names tell, by their owner; of what has no owner,
     under the empty.
@@ -517,12 +530,9 @@ def owned_shapes(values: Values, names: tuple[str, ...]) -> dict[str, SurfaceSha
     >>> owned_shapes({"plate_warp_x[hex]": 2.0, "offset_x": 0.1}, PLATE_NAMES)
     {'hex': SurfaceShape(dome=0.0, bow=2.0, axis=0.0)}
     """
-    known = [name.partition("[") for name in values]
-    owners = sorted({rest.rstrip("]") for plain, _, rest in known if plain in names})
-    tails = {owner: f"[{owner}]" if owner else "" for owner in owners}
     return {
-        owner: SurfaceShape.of_bend(*(values.get(name + tail, 0.0) for name in names))
-        for owner, tail in tails.items()
+        owner: SurfaceShape.of_bend(*numbers)
+        for owner, numbers in owned_numbers(values, names).items()
     }
 
 

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.laws.linear_fit import LinearFit
 from cyclemap.evidence.laws.periodic_law import (
     MAX_HARMONICS,
     PeriodicLaw,
@@ -192,7 +191,7 @@ def fit_worn_law(
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)
     covariance = read_only(fit.covariance.reshape(shape + shape).transpose(1, 0, 3, 2))
-    plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
+    plain = replace(fit, coefficients=coefficients[0], covariance=covariance[0, :, 0, :])
     mean = law_of(plain, log_variance, values, None)
     errors = None if errors is None else read_only(errors)
     return WornLaw(coefficients, first, last, mean, covariance, errors)
@@ -548,15 +547,15 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     places = np.sort(np.mod(pairs.theta, TWO_PI))
     gap = float(np.diff(places, append=places[0] + TWO_PI).max())
     harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
+    problem = ""
     if gap > _WIDEST_GAP:
         problem = (
             f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
         )
+    elif harmonics < 1:
+        problem = f"{pairs.theta.size} cycles are too few to fit a map to"
+    if problem:
         return MeasuredStaircase(path, steps, None, problem)
-    if harmonics < 1:
-        return MeasuredStaircase(
-            path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to"
-        )
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=harmonics)
     if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput(

@@ -4,7 +4,7 @@ order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,24 +57,24 @@ def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> Line
 
     Raises InvalidInput where the values do not fix the coefficients.
     """
-    coefficients, inverse = weighted_least_squares(design, value, np.ones(value.size))
-    residuals = value - design @ coefficients
-    free = value.size - coefficients.size
-    variance = float(residuals @ residuals / free)
-    covariance = inverse * variance
+    fit = weighted_fit(design, value, np.ones(value.size))
+    inverse = fit.covariance
+    covariance = inverse * fit.sigma**2
     if correlated:
         # The covariances of the moments over lags, with Bartlett's weights: never negative.
-        moments = design * residuals[:, np.newaxis]
-        count = value.size
+        moments = design * fit.residuals[:, np.newaxis]
+        count, unknowns = design.shape
         lags = min(count - 1, int(np.ceil(1.3 * np.sqrt(count))))
         window = 1.0 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1.0)
         total = moments.T @ convolve1d(moments, window, axis=0, mode="constant")
-        covariance = inverse @ total @ inverse * (count / free)
-    return LinearFit(coefficients, covariance, residuals, float(np.sqrt(variance)))
+        covariance = inverse @ total @ inverse * (count / (count - unknowns))
+    return replace(fit, covariance=covariance)
 
 
-def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[Array, Array]:
-    """The coefficients (p,) that make Σ weight · residual² least, and (XᵀWX)⁻¹ (p, p)."""
+def weighted_fit(design: Array, value: Array, weight: Array) -> LinearFit:
+    """The fit that makes Σ weight · residual² least, its covariance (XᵀWX)⁻¹: that of values whose
+    variances are 1/weight.
+    """
     unknowns = design.shape[1]
     if value.size <= unknowns:
         raise InvalidInput(
@@ -88,7 +88,10 @@ def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[
             f"the measured directions fix {rank} of {unknowns} coefficients; use fewer harmonics"
         )
     inverse_root = np.linalg.inv(r)
-    return inverse_root @ (q.T @ (root * value)), inverse_root @ inverse_root.T
+    coefficients = inverse_root @ (q.T @ (root * value))
+    residuals = value - design @ coefficients
+    sigma = float(np.sqrt(residuals @ residuals / (value.size - unknowns)))
+    return LinearFit(coefficients, inverse_root @ inverse_root.T, residuals, sigma)
 
 
 def student_quantile(level: float, freedom: float) -> float:
@@ -140,7 +143,7 @@ def nested_errors(
     design = design * root[:, np.newaxis]
     value = value * root
     errors = np.full((value.size, sizes.size), np.inf)
-    for index in range(int(fold.max()) + 1):
+    for index in range(FOLDS):
         out = fold == index
         q, r = np.linalg.qr(design[~out])
         projected = q.T @ value[~out]
@@ -160,7 +163,6 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
         than the standard error, over the folds, of that very difference: folds that are hard for
         all candidates alike do not blur the comparison.
     """
-    folds = int(fold.max()) + 1
     mean = np.mean(errors, axis=0)
     if not np.isfinite(mean).any():
         raise InvalidInput(
@@ -168,10 +170,9 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
         )
     best = int(np.argmin(mean))
     finite = np.where(np.isfinite(errors), errors, 0.0)
-    excess = np.array(
-        [np.mean((finite - finite[:, [best]])[fold == index], axis=0) for index in range(folds)]
-    )
-    spread = np.std(excess, axis=0, ddof=1) / np.sqrt(folds)
+    excess = finite - finite[:, [best]]
+    by_fold = np.array([np.mean(excess[fold == index], axis=0) for index in range(FOLDS)])
+    spread = np.std(by_fold, axis=0, ddof=1) / np.sqrt(FOLDS)
     # Errors of rounding size differ by chance: there the floor decides for the simpler.
     floor = 1e-26 * np.max(np.abs(mean[np.isfinite(mean)]))
     good = np.flatnonzero(mean - mean[best] <= spread + floor)

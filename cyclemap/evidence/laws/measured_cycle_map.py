@@ -84,7 +84,7 @@ class TurnPace:
         return float(np.mean(held)) if held.size else float("nan")
 
 
-def full_turns(path: Array, level: float = 0.0) -> Whole:
+def full_turns(path: Array, level: float) -> Whole:
     """The places (k + 1,) in the path (m,), rad, unwrapped, where it first reaches level + 2πj for
     each next whole j.
 

@@ -13,6 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
+    FOLDS,
     LinearFit,
     cycle_folds,
     fit_linear,
@@ -20,7 +21,7 @@ from cyclemap.evidence.laws.linear_fit import (
     nested_errors,
     simplest_good,
     student_quantile,
-    weighted_least_squares,
+    weighted_fit,
 )
 
 MAX_HARMONICS = 12
@@ -34,16 +35,14 @@ _LARGEST_EXPONENT = 300.0
 
 
 def fit_with_scatter(
-    theta: Array, design: Array, value: Array, noise_harmonics: int | None = 0, seed: int = 0
+    theta: Array, design: Array, value: Array, noise_harmonics: int | None, seed: int
 ) -> tuple[LinearFit, Array]:
     """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its
     scatter in θ.
     """
-    order = (
-        None
-        if noise_harmonics is None
-        else whole_number("noise_harmonics", noise_harmonics, least=0)
-    )
+    order = noise_harmonics
+    if order is not None:
+        order = whole_number("noise_harmonics", order, least=0)
     fit = fit_linear(design, value)
     if fit.sigma <= _ROUNDING * float(np.max(np.abs(value))):
         if order:
@@ -62,8 +61,7 @@ def fit_with_scatter(
     weight = np.ones(value.size)
     change = np.inf
     for _ in range(_MAX_ROUNDS):
-        coefficients, _ = weighted_least_squares(design, value, weight)
-        gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
+        gamma = fit_log_variance(columns, weighted_fit(design, value, weight).residuals ** 2)
         renewed = np.exp(-(columns @ gamma))
         change = float(np.max(np.abs(renewed / weight - 1.0)))
         weight = renewed
@@ -74,10 +72,7 @@ def fit_with_scatter(
             f"mean and scatter still change by {change:.3g}: use fewer noise harmonics"
         )
     gamma[0] += np.log(value.size / (value.size - design.shape[1]))
-    coefficients, inverse = weighted_least_squares(design, value, np.exp(-(columns @ gamma)))
-    residuals = value - design @ coefficients
-    sigma = float(np.sqrt(residuals @ residuals / (value.size - coefficients.size)))
-    return LinearFit(coefficients, inverse, residuals, sigma), gamma
+    return weighted_fit(design, value, np.exp(-(columns @ gamma))), gamma
 
 
 def scatter_weights(theta: Array, log_variance: Array) -> Array:
@@ -150,7 +145,7 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
     losses = np.empty((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)
-        for index in range(int(fold.max()) + 1):
+        for index in range(FOLDS):
             out = fold == index
             level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
             # A law that leaves no scatter at all where something was left out is lost by any
@@ -422,7 +417,7 @@ def law_of(
         values.size,
         rmse=float(np.sqrt(np.mean(off**2))),
         mean=float(np.mean(values)),
-        total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
+        total_std=float(np.std(values, ddof=1)),
         lag_correlation=float(off[1:] @ off[:-1]) / power if power > rounding else 0.0,
         rmse_by_order=rmse_by_order,
     )

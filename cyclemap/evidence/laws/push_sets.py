@@ -143,17 +143,14 @@ def push_sets(pushes: PushTable, select: Selection | None = None) -> tuple[PushS
             alike = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
             if any(len(own) >= FEWEST for own in alike):
                 break
-        gathered += [(Path(home), _shared(own), own) for own in alike]
+        for own in alike:
+            facts = own[[*SET_FACTS]]
+            first = facts.iloc[0]
+            is_shared = (facts.nunique(dropna=False) == 1) & first.notna()
+            gathered.append((Path(home), dict(first[is_shared]), own))
     names = _names([(home, facts) for home, facts, _ in gathered])
     sets = zip(names, gathered, strict=True)
     return tuple(_push_set(name, *own, pushes.pairs.get(str(own[0]))) for name, own in sets)
-
-
-def _shared(rows: pandas.DataFrame) -> Row:
-    """The facts that are known and the same for all rows."""
-    facts = rows[[*SET_FACTS]]
-    alike = facts.nunique(dropna=False) == 1
-    return dict(facts.iloc[0][alike & facts.iloc[0].notna()])
 
 
 def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFrame:

@@ -15,7 +15,7 @@ from cyclemap.evidence.laws.linear_fit import (
     cycle_folds,
     fourier_columns,
     nested_errors,
-    weighted_least_squares,
+    weighted_fit,
 )
 from cyclemap.evidence.laws.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
 from cyclemap.evidence.laws.periodic_law import (
@@ -335,7 +335,7 @@ def _refitted_distances(
     centre = law(theta)
     noise = law.noise(theta)
     columns = fourier_columns(theta, law.harmonics)
-    inverse = weighted_least_squares(columns, centre, noise**-2)[1]
+    inverse = weighted_fit(columns, centre, noise**-2).covariance
     solve = inverse @ (columns / noise[:, np.newaxis] ** 2).T
     free = theta.size - law.coefficients.size
     distances = np.empty(runs)

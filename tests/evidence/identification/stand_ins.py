@@ -8,6 +8,7 @@ import numpy as np
 
 from cyclemap.evidence import DataBlock, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem
+from cyclemap.evidence.identification.force_blocks import SCAN_FIELDS
 from cyclemap.evidence.identification.least_squares import NORMAL, Fit, NoiseLaw, multi_start
 from cyclemap.evidence.identification.surface_parameters import SURFACE, Values
 from cyclemap.mechanics import EllipseFriction
@@ -29,11 +30,8 @@ def forces(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """Traction coefficients along, then across directions (n,) of sliding: (2 n,), and derivatives
     by ELLIPSE.
     """
-    still = {
-        "direction": directions,
-        "force_along": 0.0 * directions,
-        "force_across": 0.0 * directions,
-    }
+    zero = 0.0 * directions
+    still = {"direction": directions, "force_along": zero, "force_across": zero}
     traction, jacobian = friction_scan_block(still, 1.0).residuals(values)
     return traction.reshape(-1, 2).T.ravel(), np.concatenate([jacobian[::2], jacobian[1::2]])
 
@@ -46,12 +44,8 @@ def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
     linear.
     """
     ex, ey, ox, oy, mu, share = (values[name] for name in MOTION)
-    c, k, c2, k2 = (
-        np.cos(directions),
-        np.sin(directions),
-        np.cos(2 * directions),
-        np.sin(2 * directions),
-    )
+    c, k = np.cos(directions), np.sin(directions)
+    c2, k2 = np.cos(2 * directions), np.sin(2 * directions)
     zero = np.zeros_like(c)
     turn = 1.2 + 0.9 * (ox * c + oy * k) + 0.6 * (ex * c2 + ey * k2) + 0.8 * mu - 0.5 * mu**2 * c
     by_turn = [0.6 * c2, 0.6 * k2, 0.9 * c, 0.9 * k, 0.8 - mu * c, zero]
@@ -60,9 +54,8 @@ def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
     by_shift = [0.1 * share * (1.0 + turn) * d for d in by_turn]
     by_shift[2], by_shift[3] = by_shift[2] - 0.02 * k, by_shift[3] + 0.02 * c
     by_shift[5] = 0.1 * turn * bend
-    return np.concatenate([turn, shift]), np.stack(
-        [np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1
-    )
+    jacobian = [np.concatenate(pair) for pair in zip(by_turn, by_shift, strict=True)]
+    return np.concatenate([turn, shift]), np.stack(jacobian, -1)
 
 
 def block(
@@ -72,9 +65,7 @@ def block(
     one group.
     """
     data = law(TRUTH, directions)[0] + noise
-    kinds = {"forces": ("force (1)", "force (1)"), "motions": ("turn (rad)", "shift (m)")}[
-        law.__name__
-    ]
+    kinds = ("force (1)", "force (1)") if law is forces else ("turn (rad)", "shift (m)")
 
     def function(values: Values) -> tuple[np.ndarray, np.ndarray]:
         predicted, jacobian = law(values, directions)
@@ -87,9 +78,9 @@ def block(
 def force_block(
     count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan"
 ) -> DataBlock:
-    rng = np.random.default_rng([seed, 1])
+    off = noise * np.random.default_rng([seed, 1]).standard_normal(2 * count)
     directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
-    return block(name, forces, ELLIPSE, directions, noise * rng.standard_normal(2 * count))
+    return block(name, forces, ELLIPSE, directions, off)
 
 
 def motion_block(
@@ -104,13 +95,24 @@ def motion_block(
     directions = rng.uniform(0.0, 2 * np.pi, count)
     common, own = rng.standard_normal(count), rng.standard_normal((2, count))
     both = np.sqrt(shared) * common + np.sqrt(1.0 - shared) * own
-    return block(
-        "pushes",
-        motions,
-        MOTION,
-        directions,
-        np.concatenate([turn_noise * both[0], shift_noise * both[1]]),
-    )
+    off = np.concatenate([turn_noise * both[0], shift_noise * both[1]])
+    return block("pushes", motions, MOTION, directions, off)
+
+
+NAMES = (*ELLIPSE, "pusher_friction", "plate_dome")
+SPACE = SURFACE.select(NAMES)
+
+
+def blocks(
+    noise: float, seed: int = 0, count: int = 16, shared: float = 0.0
+) -> tuple[DataBlock, DataBlock]:
+    """Forces and motions that together tell all of NAMES."""
+    pushes = motion_block(count, 2 * noise, 0.2 * noise, seed, shared)
+    return force_block(noise=noise, seed=seed), pushes
+
+
+def joint(noise: float) -> JointProblem:
+    return JointProblem(blocks(noise), SPACE, {})
 
 
 def fitted(problem: JointProblem, start: Any, law: NoiseLaw = NORMAL, known: Any = None) -> Fit:
@@ -126,8 +128,5 @@ def made_scans(
     c, s = np.cos(direction), np.sin(direction)
     fx, fy = weight * law.traction(np.stack([c, s], axis=-1)).T
     along, across = noise * np.random.default_rng(seed).standard_normal((2, len(direction)))
-    return {
-        "direction": direction,
-        "force_along": c * fx + s * fy + along,
-        "force_across": c * fy - s * fx + across,
-    }
+    columns = (direction, c * fx + s * fy + along, c * fy - s * fx + across)
+    return dict(zip(SCAN_FIELDS, columns, strict=True))

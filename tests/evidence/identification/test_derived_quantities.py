@@ -50,12 +50,12 @@ def test_values_are_those_of_the_ellipse() -> None:
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
-    """30 seeded sets, 95 %: fewer than 25 held of one quantity would be a chance of 1 in 300."""
+    """12 seeded sets, 95 %: fewer than 10 held of one quantity would be a chance of 1 in 50."""
     held = dict.fromkeys(TRUTH, 0)
-    for seed in range(30):
+    for seed in range(12):
         for one in derived_quantities(identified(LAW, 0.1, seed, count=18), draws=200, seed=seed):
             held[one.name] += one.lower <= TRUTH[one.name] <= one.upper
-    assert all(count >= 25 for count in held.values()), held
+    assert all(count >= 10 for count in held.values()), held
 
 
 def test_isotropic_friction_has_no_direction_and_a_ratio_that_may_be_one() -> None:

@@ -17,7 +17,7 @@ from cyclemap.mechanics import load_material
 
 pytestmark = pytest.mark.slow
 
-PUSHES, BLOCK, RUNS = 2000, 125, 500
+PUSHES, BLOCK, RUNS = 2000, 125, 200
 
 
 @pytest.fixture(scope="module")
@@ -36,26 +36,22 @@ def runs(drifting: DriftingMap, pairs: Theta0Pairs) -> np.ndarray:
     noise = load_material("plywood-measured").noise
     assert noise is not None and pairs.path is not None
     local = LocalNoise(noise.log_sigma, noise.correlation)
-    return sample_staircases(
-        drifting, local, len(pairs.path) - 1, np.full(RUNS, pairs.path[0]), seed=0
-    )
+    starts = np.full(RUNS, pairs.path[0])
+    return sample_staircases(drifting, local, len(pairs.path) - 1, starts, seed=0)
 
 
 def test_it_says_that_it_was_inferred_and_from_what() -> None:
     material = load_material("plywood-measured")
     assert material.inferred and material.wear is not None and material.wear.cycles == PUSHES
     assert "every second block" in material.provenance and "left out" in material.misfit
-    # Ring and contact are where they were: the pressure and the friction of the ring carry the
-    # misfit.
+    # Ring and contact are where they were: pressure and friction of the ring carry the misfit.
     assert CollectionLoop.mit(material).footprint is not None
 
 
 def test_the_map_is_within_2_1_degrees_over_bins_of_the_blocks_left_out(pairs, drifting) -> None:
     late = (pairs.cycle >= 500) & (pairs.cycle // BLOCK % 2 == 1)
-    turn = CollectionModel(drifting, WrappedNormal(0.02)).turns(
-        pairs.theta[late], pairs.cycle[late]
-    )[0]
-    theta = pairs.theta[late]
+    model, theta = CollectionModel(drifting, WrappedNormal(0.02)), pairs.theta[late]
+    turn = model.turns(theta, pairs.cycle[late])[0]
     medians = turn_bins(Theta0Pairs(theta, theta + turn - pairs.turn[late])).median
     assert medians.size > 40 and math.degrees(np.sqrt(np.mean(medians**2))) <= 2.1
 
@@ -90,6 +86,5 @@ def test_the_drift_is_the_loops_own_map_at_every_bend_of_the_course(drifting) ->
     theta = np.array([0.3, 1.7, 4.0])
     for cycle in (0, 250, 800, 1375, 1999):
         loop = worn_loop(CollectionLoop.mit("plywood-measured"), cycle)
-        assert drifting.at(cycle)(theta) == pytest.approx(
-            loop.next_theta(theta), abs=math.radians(0.06)
-        )
+        ahead = loop.next_theta(theta)
+        assert drifting.at(cycle)(theta) == pytest.approx(ahead, abs=math.radians(0.06))

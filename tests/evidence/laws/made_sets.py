@@ -1,5 +1,6 @@
 """Made collections whose law, noise and path are known, as arrays and as CSV tables of poses."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -36,10 +37,13 @@ def worn_turn(theta, cycle):
     return 0.26 + 0.25 * np.cos(theta) + 1e-4 * cycle
 
 
-def worn_pairs(count: int = 900, sigma: float = 0.02, seed: int = 0) -> Theta0Pairs:
+def worn_pairs(
+    count: int = 900, sigma: float = 0.02, seed: int = 0, turn: Callable = worn_turn
+) -> Theta0Pairs:
+    """A path whose every cycle turns by ``turn`` of θ and the cycle number, and its pairs."""
     rng, path = np.random.default_rng(seed), [0.0]
     for n in range(count):
-        path.append(path[-1] + float(worn_turn(path[-1], n)) + sigma * rng.standard_normal())
+        path.append(path[-1] + float(turn(path[-1], n)) + sigma * rng.standard_normal())
     angles, number = np.array(path), np.arange(count + 1.0)
     return Theta0Pairs(angles[:-1], angles[1:], angles, cycle=number[:-1], path_cycle=number)
 

@@ -1,10 +1,9 @@
 """Periodic laws fitted to made values whose law, order and scatter are known."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from refusals import refused
+from scipy.signal import lfilter
 from scipy.special import i0
 
 from cyclemap.errors import ConvergenceError
@@ -16,7 +15,7 @@ from cyclemap.evidence.laws.linear_fit import (
     simplest_good,
     student_quantile,
 )
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_log_variance, fit_periodic_law
+from cyclemap.evidence.laws.periodic_law import fit_log_variance, fit_periodic_law
 
 TURN = 2 * np.pi
 GRID = np.linspace(0.0, TURN, 72, endpoint=False)
@@ -32,25 +31,21 @@ def made(seed: int, count: int = 400, sigma: float = 0.05) -> tuple[np.ndarray, 
     return theta, truth(theta) + sigma * rng.standard_normal(count)
 
 
-def worst(law: PeriodicLaw) -> float:
-    return float(np.max(np.abs(law(GRID) - truth(GRID))))
-
-
 def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> None:
     theta, value = made(0, sigma=0.0)
     for noise_harmonics in (0, None):
         law = fit_periodic_law(theta, value, noise_harmonics=noise_harmonics)
-        assert law.harmonics == 3 and max(worst(law), law.rmse) < 1e-13
+        assert (law.harmonics, law.lag_correlation) == (3, 0.0) and law.rmse < 1e-13
+        assert np.allclose(law(GRID), truth(GRID), atol=1e-13)
     step = 1e-5
-    assert np.allclose(
-        law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9
-    )
+    slope = (truth(GRID + step) - truth(GRID - step)) / (2 * step)
+    assert np.allclose(law.slope(GRID), slope, atol=1e-9)
 
 
 @pytest.mark.slow
 def test_the_chosen_order_is_the_true_one_in_nine_of_ten_runs() -> None:
-    chosen = np.array([fit_periodic_law(*made(seed), seed=seed).harmonics for seed in range(50)])
-    assert np.sum(chosen == 3) >= 45 and np.min(chosen) >= 3
+    chosen = np.array([fit_periodic_law(*made(seed), seed=seed).harmonics for seed in range(20)])
+    assert np.sum(chosen == 3) >= 18 and np.min(chosen) >= 3
 
 
 def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
@@ -63,22 +58,16 @@ def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
     for j, size in enumerate((1, 5, 9)):
         for one in range(10):
             kept = np.linalg.lstsq(design[fold != one, :size], value[fold != one])[0]
-            assert np.allclose(
-                found[fold == one, j],
-                (value - design[:, :size] @ kept)[fold == one] ** 2,
-                rtol=1e-9,
-            )
+            errors = (value - design[:, :size] @ kept)[fold == one] ** 2
+            assert np.allclose(found[fold == one, j], errors, rtol=1e-9)
 
 
 def test_folds_are_equal_shares_made_of_blocks_of_successive_values() -> None:
     fold = cycle_folds(2000, seed=3)
     assert np.bincount(fold).tolist() == [200] * 10
     changes = np.flatnonzero(np.diff(fold)) + 1
-    assert (
-        changes.size <= 49
-        and np.all(changes % 40 == 0)
-        and not np.array_equal(fold, cycle_folds(2000, seed=4))
-    )
+    assert changes.size <= 49 and np.all(changes % 40 == 0)
+    assert not np.array_equal(fold, cycle_folds(2000, seed=4))
 
 
 def test_the_one_standard_error_rule_takes_the_simplest_that_is_not_clearly_worse() -> None:
@@ -93,20 +82,18 @@ def test_the_one_standard_error_rule_takes_the_simplest_that_is_not_clearly_wors
 
 
 def test_bands_cover_the_truth_and_new_values_as_often_as_they_say() -> None:
-    """200 runs: at 72 angles, the 95 % band of the mean holds the truth, the prediction band a new
-    value.
+    """Of 24 values and 7 coefficients: the 95 % band of the mean holds the truth, the prediction
+    band a new value.
     """
-    inside, ahead, runs = np.zeros(GRID.size), np.zeros(GRID.size), 200
-    for seed in range(runs):
-        law = fit_periodic_law(*made(seed, count=60), harmonics=3)
+    inside, ahead = [], []
+    for seed in range(100):
+        law = fit_periodic_law(*made(seed, count=24), harmonics=3)
         mean, one = law.half_bands(GRID)
         new = truth(GRID) + 0.05 * np.random.default_rng(10_000 + seed).standard_normal(GRID.size)
-        inside += np.abs(law(GRID) - truth(GRID)) <= mean
-        ahead += np.abs(law(GRID) - new) <= one
-    assert np.all((inside / runs >= 0.90) & (inside / runs <= 0.99))
-    assert np.mean(inside) / runs == pytest.approx(0.95, abs=0.015)
-    # 14,400 new values: the standard error of the share is 0.2 %, a little more as 72 share a fit.
-    assert np.mean(ahead) / runs == pytest.approx(0.95, abs=0.01)
+        inside.append(np.abs(law(GRID) - truth(GRID)) <= mean)
+        ahead.append(np.abs(law(GRID) - new) <= one)
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
+    assert np.mean(ahead) == pytest.approx(0.95, abs=0.015)
 
 
 @pytest.mark.slow
@@ -130,7 +117,7 @@ def test_the_covariance_of_correlated_residuals_is_the_double_sum_over_all_pairs
 def test_scatter_is_that_of_the_values_not_of_what_many_coefficients_leave_of_it() -> None:
     """Nine coefficients take nine in forty of the variance with them: it is given back."""
     rng, levels = np.random.default_rng(9), []
-    for _ in range(300):
+    for _ in range(60):
         theta = rng.uniform(0.0, TURN, 40)
         law = fit_periodic_law(theta, 0.1 * rng.standard_normal(40), harmonics=4, noise_harmonics=1)
         levels.append(float(np.mean(law.noise(GRID) ** 2)))
@@ -139,32 +126,19 @@ def test_scatter_is_that_of_the_values_not_of_what_many_coefficients_leave_of_it
 
 def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() -> None:
     """Autoregressive scatter (0.7) over angles that move slowly: plain bands are far too narrow."""
-    runs, plain, right = 200, 0, 0
+    held = {False: [], True: []}
     theta = 0.05 * np.arange(1000.0)
-    for seed in range(runs):
+    design, at = fourier_columns(theta, 3), fourier_columns(1.0, 3)
+    for seed in range(100):
         kick = np.random.default_rng(seed).standard_normal(1100)
-        scatter = np.array(
-            [kick[k : k + 1000] * 0.7**j for j, k in enumerate(range(100, 60, -1))]
-        ).sum(axis=0)
-        value = truth(theta) + 0.05 * scatter
-        at = fourier_columns(1.0, 3)
-        for correlated in (False, True):
-            fit = fit_linear(fourier_columns(theta, 3), value, correlated=correlated)
+        scatter = lfilter([1.0], [1.0, -0.7], kick)[100:]
+        for correlated, hits in held.items():
+            fit = fit_linear(design, truth(theta) + 0.05 * scatter, correlated=correlated)
             off = abs(float(at @ fit.coefficients - truth(np.array(1.0))))
-            hit = off <= 1.96 * float(np.sqrt(at @ fit.covariance @ at))
-            right, plain = right + (hit and correlated), plain + (hit and not correlated)
-    assert plain / runs < 0.75 and 0.88 <= right / runs <= 0.99
-
-
-def test_the_correlation_of_successive_residuals_is_told() -> None:
-    theta, value = made(3, count=4000)
-    assert abs(fit_periodic_law(theta, value, harmonics=3).lag_correlation) < 4 / np.sqrt(4000)
-    kick = np.random.default_rng(0).standard_normal(4001)
-    smeared = truth(theta) + 0.05 * (kick[1:] + kick[:-1])
-    assert fit_periodic_law(theta, smeared, harmonics=3).lag_correlation == pytest.approx(
-        0.5, abs=0.06
-    )
-    assert fit_periodic_law(theta, truth(theta)).lag_correlation == 0.0
+            hits.append(off <= 1.96 * float(np.sqrt(at @ fit.covariance @ at)))
+    assert np.mean(held[False]) < 0.75 and 0.88 <= np.mean(held[True]) <= 0.99
+    told = fit_periodic_law(theta, truth(theta) + 0.05 * scatter, harmonics=3).lag_correlation
+    assert told == pytest.approx(0.7, abs=0.1)
 
 
 def test_scatter_that_depends_on_the_angle_is_recovered_with_its_order() -> None:
@@ -194,29 +168,25 @@ def predicted_errors(theta: np.ndarray, variance: np.ndarray) -> list[float]:
 
 @pytest.mark.slow
 def test_weighing_by_the_scatter_makes_the_law_as_sure_as_theory_says_and_its_bands_cover() -> None:
-    covered, errors, theory, runs = 0.0, [], [], 200
-    for seed in range(runs):
+    covered, errors, theory = [], [], []
+    for seed in range(60):
         rng = np.random.default_rng(seed)
         theta = rng.uniform(0.0, TURN, 500)
         sigma = 0.05 * np.exp(np.cos(theta))
         value = truth(theta) + sigma * rng.standard_normal(500)
         theory.append(predicted_errors(theta, sigma**2))
         weighed = fit_periodic_law(theta, value, harmonics=3, noise_harmonics=1)
-        covered += (
-            float(np.mean(np.abs(weighed(GRID) - truth(GRID)) <= weighed.half_bands(GRID)[0]))
-            / runs
-        )
+        covered.append(np.abs(weighed(GRID) - truth(GRID)) <= weighed.half_bands(GRID)[0])
         plain = fit_periodic_law(theta, value, harmonics=3)
         errors.append([np.mean((law(GRID) - truth(GRID)) ** 2) for law in (weighed, plain)])
-    assert covered == pytest.approx(0.95, abs=0.025)
+    assert np.mean(covered) == pytest.approx(0.95, abs=0.025)
     (weighed_error, plain_error), expected = np.mean(errors, axis=0), np.mean(theory, axis=0)
     assert expected[0] < 0.85 * expected[1]
-    # A mean of 200 squared errors of seven coefficients is good to about 5 %.
-    assert weighed_error == pytest.approx(expected[0], rel=0.15)
-    assert plain_error == pytest.approx(expected[1], rel=0.15)
+    # A mean of 60 squared errors of seven coefficients is good to about 7 %.
+    assert [weighed_error, plain_error] == pytest.approx(expected, rel=0.2)
 
 
-@pytest.mark.parametrize("tiny", [1e-12, 1e-20, 1e-40])
+@pytest.mark.parametrize("tiny", [1e-12, 1e-40])
 def test_scatter_that_all_but_vanishes_on_an_arc_is_fitted_where_newton_first_leaps_too_far(
     tiny,
 ) -> None:
@@ -226,68 +196,44 @@ def test_scatter_that_all_but_vanishes_on_an_arc_is_fitted_where_newton_first_le
     squares = np.where(np.cos(theta) > 0.5, 1.0, tiny) * rng.chisquare(1, 2000)
     gamma = fit_log_variance(columns, squares)
     assert np.max(np.abs(columns.T @ (1.0 - squares * np.exp(-columns @ gamma)))) < 1e-2
-    vanishing = np.where(np.cos(theta) > 0.5, 1.0, 0.0)
-    refused(
-        fit_log_variance,
-        columns,
-        vanishing,
-        told="vanishes along a part of the circle",
-        kind=ConvergenceError,
-    )
+    gone = np.where(np.cos(theta) > 0.5, 1.0, 0.0)
+    refused(fit_log_variance, columns, gone, told="vanishes along a", kind=ConvergenceError)
 
 
 @pytest.mark.parametrize("kind", [{}, {"noise_harmonics": 1}])
-def test_turning_the_angles_and_scaling_the_values_turn_and_scale_the_law(
-    kind: dict[str, Any],
-) -> None:
+def test_turning_the_angles_and_scaling_the_values_turn_and_scale_the_law(kind) -> None:
     theta, value = made(6)
     by = 0.7 + TURN * np.random.default_rng(0).integers(-3, 4, theta.size)
-    one, other = (
-        fit_periodic_law(theta, value, **kind),
-        fit_periodic_law(theta + by, 1000.0 * value, **kind),
-    )
+    one = fit_periodic_law(theta, value, **kind)
+    other = fit_periodic_law(theta + by, 1000.0 * value, **kind)
     assert other.harmonics == one.harmonics == 3 and one.count == 400
     assert (other.rmse, other.percent) == pytest.approx((1000.0 * one.rmse, one.percent), rel=1e-6)
     assert np.allclose(other(GRID + 0.7), 1000.0 * one(GRID), atol=1e-4)
-    assert np.allclose(
-        other.standard_error(GRID + 0.7), 1000.0 * one.standard_error(GRID), rtol=1e-5
-    )
-    assert np.allclose(other.noise(GRID + 0.7), 1000.0 * one.noise(GRID), rtol=1e-5)
+    for turned, still in ((other.standard_error, one.standard_error), (other.noise, one.noise)):
+        assert np.allclose(turned(GRID + 0.7), 1000.0 * still(GRID), rtol=1e-5)
     assert one.percent == pytest.approx(100 * 0.05 / np.mean(value), rel=0.1)
 
 
+THETA, VALUE = made(10)
+NOT_KNOWN = np.where(np.arange(400) == 2, np.nan, VALUE)
+
+
 @pytest.mark.parametrize(
-    ("change", "options", "match"),
+    ("theta", "value", "options", "match"),
     [
-        (lambda theta, value: (theta, value[:-1]), {}, "400 and 399 entries"),
-        (lambda theta, value: ([], []), {}, "entries; give equally many"),
-        (
-            lambda theta, value: (theta, np.where(np.arange(400) == 2, np.nan, value)),
-            {},
-            "entry 2 is nan",
-        ),
-        (lambda theta, value: (theta[:19], value[:19]), {}, "too few to choose"),
-        (
-            lambda theta, value: (theta[:7], value[:7]),
-            {"harmonics": 3},
-            "7 pairs cannot fix 7 coefficients",
-        ),
-        (
-            lambda theta, value: (np.ones(50), value[:50]),
-            {"harmonics": 1},
-            "fix 1 of 3 coefficients",
-        ),
-        (
-            lambda theta, value: (theta, truth(theta)),
-            {"harmonics": 3, "noise_harmonics": 1},
-            "on a smooth curve",
-        ),
-        *(
-            (lambda *made: made, {name: -1}, f"{name} must be at least 0")
-            for name in ("harmonics", "max_harmonics", "noise_harmonics", "seed")
-        ),
+        (THETA, VALUE[:-1], {}, "400 and 399 entries"),
+        ([], [], {}, "entries; give equally many"),
+        (THETA, NOT_KNOWN, {}, "entry 2 is nan"),
+        (THETA[:19], VALUE[:19], {}, "too few to choose"),
+        (THETA[:7], VALUE[:7], {"harmonics": 3}, "7 pairs cannot fix 7 coefficients"),
+        (np.ones(50), VALUE[:50], {"harmonics": 1}, "fix 1 of 3 coefficients"),
+        (THETA, truth(THETA), {"harmonics": 3, "noise_harmonics": 1}, "on a smooth curve"),
+        (THETA, VALUE, {"harmonics": -1}, "harmonics must be at least 0"),
+        (THETA, VALUE, {"max_harmonics": -1}, "max_harmonics must be at least 0"),
+        (THETA, VALUE, {"noise_harmonics": -1}, "noise_harmonics must be at least 0"),
+        (THETA, VALUE, {"seed": -1}, "seed must be at least 0"),
     ],
 )
-def test_bad_input_is_refused_by_name(change, options, match) -> None:
-    refused(fit_periodic_law, *change(*made(10)), told=match, **options)
+def test_bad_input_is_refused_by_name(theta, value, options, match) -> None:
+    refused(fit_periodic_law, theta, value, told=match, **options)
     refused(student_quantile, 95, 10.0, told="level is 95")
