@@ -39,6 +39,7 @@ LOOPS = (
     replace(BRIEF, push=SidePush(1, distance=0.015), reset=DragBack(((0.02, 0.0),))),
 )
 TURNS = (0.0, 0.5, -1.0)
+OTHER_ROD = (LOOP, replace(LOOP, pusher=Pusher(0.01)), LOOP, LOOP, LOOP)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -244,10 +245,7 @@ def test_a_folder_with_anything_else_in_it_is_left_alone(tmp_path, name) -> None
         ({"cycle_loops": LOOPS[:2]}, "cycle_loops has 2 entries for 5 cycles"),
         ({"gripper_turns": (0.1,)}, "gripper_turns has 1 entries for 5 cycles"),
         ({"gripper_turns": (0.1, math.nan, 0.2, 0.0, 0.0)}, "gripper turn must be a finite number"),
-        (
-            {"cycle_loops": (LOOP, replace(LOOP, pusher=Pusher(0.01)), LOOP, LOOP, LOOP)},
-            "cycle 1 d",
-        ),
+        ({"cycle_loops": OTHER_ROD}, "loop of cycle 1 differs in more than push"),
     ],
 )
 def test_bad_arguments_are_refused_before_anything_is_written(tmp_path, changes, message) -> None:
