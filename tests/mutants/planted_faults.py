@@ -954,7 +954,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "self._sum += self._e_value(turns, _MANY) / len(CHECKS)",
                 "self._sum += self._e_value(turns, _MANY)",
             ),
-            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
+            ("** visits.shape[1] * arcs", "** (visits.shape[1] - 1) * arcs"),
         ],
     ),
     "resets/bias_monitor.py": (
