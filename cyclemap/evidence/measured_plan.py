@@ -165,10 +165,11 @@ class MeasuredPlan:
         """Half the widest 95 % interval of a stable direction that is likely to be there, rad; 0
         where none is.
         """
-        likely = [
-            direction for direction in self.directions.directions if direction.share > 1.0 - SURE
-        ]
-        return 0.5 * max((direction.upper - direction.lower for direction in likely), default=0.0)
+        widths = [0.0]
+        for direction in self.directions.directions:
+            if direction.share > 1.0 - SURE:
+                widths.append(direction.upper - direction.lower)
+        return 0.5 * max(widths)
 
     def is_enough(self, within: float) -> bool:
         """Whether it is known that the loop locks in, and where to `within` rad, or that it does

@@ -342,7 +342,9 @@ def in_room(
     begin = np.array(astuple(push.start))
     reach = [placed(pose, outline) for pose in (begin, *ends)]
     reach += [first - APPROACH * (last - first) / push.push.distance, last]
-    low, high = np.min(np.vstack(reach), axis=0), np.max(np.vstack(reach), axis=0)
+    places = np.vstack(reach)
+    low = places.min(axis=0)
+    high = places.max(axis=0)
     if np.any(high - low > room):
         return None
     x, y = np.round(begin[:2] + 0.5 * np.array(room) - 0.5 * (low + high), 3).tolist()

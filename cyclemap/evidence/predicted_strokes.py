@@ -4,6 +4,7 @@ the mechanics.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array, Mask, Place, Whole
+from cyclemap.arrays import Array, Mask, Place, Whole, turned
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.surface_parameters import (
@@ -120,8 +121,8 @@ def predicted_motions(courses: Sequence[Course], most_failing: float) -> Array:
         course = courses[index]
         x, y, theta = course.pose
         begun = Pose(course.unit * x, course.unit * y, theta)
-        end_x, end_y, turned = ends[index].tolist()
-        motions[index] = turned - theta, *begun.to_object(end_x, end_y)
+        end_x, end_y, end_theta = ends[index].tolist()
+        motions[index] = end_theta - theta, *begun.to_object(end_x, end_y)
     return motions
 
 
@@ -131,7 +132,7 @@ def predicted_push_ends(
     shift: ArrayLike = _WORLD,
     names: tuple[str, ...] = (),
     target: Place | None = None,
-    turned: ArrayLike = 0.0,
+    turns: ArrayLike = 0.0,
 ) -> StrokeEnds:
     """Return where pushes end whose rod paths are shifted (m; all alike, or (n, 2)), and whose
     objects lay turned from their start poses (rad; all alike, or (n,)).
@@ -143,17 +144,16 @@ def predicted_push_ends(
     """
     origin = target or _WORLD
     starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
-    starts[:, 2] += turned
+    starts[:, 2] += turns
     touched, strokes = _from_first_touch(model, pushes, starts, np.asarray(shift))
     begins = [Pose(*start) for start in (starts[touched] - (*origin, 0.0)).tolist()]
     courses = [model.course(*both) for both in zip(strokes, begins, strict=True)]
     felt = []
     for stroke, begin in zip(strokes, begins, strict=True):
         # A quarter of the way ahead, as the engine takes it.
-        x, y = model.slider.outline.centroid
-        ahead = 0.25 * model.unit * stroke.length
-        across = ahead * math.cos(stroke.direction), ahead * math.sin(stroke.direction)
-        felt.append(begin.to_world(x + across[0], y + across[1]))
+        ahead = cmath.rect(0.25 * model.unit * stroke.length, stroke.direction)
+        place = complex(*model.slider.outline.centroid) + ahead
+        felt.append(begin.to_world(place.real, place.imag))
     moved, slopes, still = predicted_ends(courses, FAILING, len(PARAMETERS))
     angles = [begin.theta for begin in begins]
     by_start = [_by_set_up(model, *both) for both in zip(strokes, angles, strict=True)]
@@ -208,10 +208,8 @@ def _from_first_touch(
     they go, too.
     """
     theta = starts[:, 2]
-    c = np.cos(theta)
-    s = np.sin(theta)
-    x, y = (np.array([push.tip_start for push in pushes]) + shift - starts[:, :2]).T
-    rods = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
+    tips = np.array([push.tip_start for push in pushes]) + shift
+    rods = turned(tips - starts[:, :2], -theta) / model.unit
     toward = np.array([push.direction for push in pushes]) - theta
     travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, rods, toward)
     for index in np.flatnonzero(travel * model.unit < -DEEPEST)[:1].tolist():

@@ -141,14 +141,7 @@ class Probe:
     @cached_property
     def mimic(self) -> CollectionLoop:
         """The loop on the friction ellipse that mimics what was probed."""
-        return self._on(self.anisotropy)
-
-    def _on(self, anisotropy: Anisotropy) -> CollectionLoop:
-        law = self.loop.material.friction
-        friction = anisotropy.friction(math.sqrt(law.mu_a * law.mu_b))
-        return replace(
-            self.loop, material=Material(f"{self.loop.material.name} (probed)", friction)
-        )
+        return _on_ellipse(self.loop, self.anisotropy)
 
     @cached_property
     def stable(self) -> tuple[Interval, ...]:
@@ -172,7 +165,7 @@ class Probe:
         slopes = []
         for step in _STEP * np.eye(4):
             ends = [
-                self._on(Anisotropy.of_components(moved)).next_theta(place)[0]
+                _on_ellipse(self.loop, Anisotropy.of_components(moved)).next_theta(place)[0]
                 for moved in (values + step, values - step)
             ]
             slopes.append((ends[0] - ends[1]) / (2.0 * _STEP))
@@ -354,11 +347,8 @@ def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, 
     values, axes = np.linalg.eigh(covariance)
     reach = math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))
     radii = reach * np.sqrt(np.maximum(values, 0.0))
-    edge = (
-        vector
-        + np.stack([radii[0] * np.cos(_AROUND), radii[1] * np.sin(_AROUND)], axis=-1) @ axes.T
-    )
-    lengths = np.hypot(*edge.T)
+    circle = np.column_stack([np.cos(_AROUND), np.sin(_AROUND)])
+    lengths = np.hypot(*(vector + (radii * circle) @ axes.T).T)
     seen = axes.T @ vector
     inside = bool(np.sum((seen / np.maximum(radii, 1e-300)) ** 2) <= 1.0)
     return float(np.hypot(*vector)), 0.0 if inside else float(lengths.min()), float(lengths.max())
@@ -390,15 +380,12 @@ def _ellipse(
     """The four numbers of the ellipse (see `Anisotropy.of_components`), their covariance, and the
     share explained.
     """
-    coarse = replace(loop, accuracy=min(loop.accuracy, 1e-7))
-    law = loop.material.friction
-    mean = math.sqrt(law.mu_a * law.mu_b)
+    fine = replace(loop, accuracy=min(loop.accuracy, 1e-7))
 
     # SciPy takes steps relative to the unknowns: those of one and more do not vanish with them.
     def residuals(shifted: Array) -> Array:
         try:
-            friction = Anisotropy.of_components(shifted - 1.0).friction(mean)
-            made = replace(coarse, material=Material("probed", friction)).cycles(angles)
+            made = _on_ellipse(fine, Anisotropy.of_components(shifted - 1.0)).cycles(angles)
         except CycleMapError:
             return np.full(moved.size, 1e3)
         predicted = np.column_stack([made.push_displacement, made.push_turn])
@@ -413,14 +400,17 @@ def _ellipse(
     # What an ellipse cannot mimic counts as scatter of its own, so that its intervals do not forget
     # it.
     free = moved.size - 7
-    scatter = max(float(fit.fun @ fit.fun) / free, 1e-30)
-    covariance = scatter * np.linalg.inv(fit.jac.T @ fit.jac)
-    total = (moved - moved.mean(axis=0)) / noise
-    return (
-        fit.x - 1.0,
-        covariance,
-        max(1.0 - float(fit.fun @ fit.fun) / max(float((total**2).sum()), 1e-300), 0.0),
-    )
+    left = float(fit.fun @ fit.fun)
+    covariance = max(left / free, 1e-30) * np.linalg.inv(fit.jac.T @ fit.jac)
+    total = float((((moved - moved.mean(axis=0)) / noise) ** 2).sum())
+    return fit.x - 1.0, covariance, max(1.0 - left / max(total, 1e-300), 0.0)
+
+
+def _on_ellipse(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:
+    """The loop on a friction ellipse of its own mean radius."""
+    law = loop.material.friction
+    friction = anisotropy.friction(math.sqrt(law.mu_a * law.mu_b))
+    return replace(loop, material=Material(f"{loop.material.name} (probed)", friction))
 
 
 def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:

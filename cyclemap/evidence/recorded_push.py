@@ -5,7 +5,7 @@ noise.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
@@ -132,9 +132,9 @@ def record_push(
     0.2 mN of a run ten times finer.
     """
     # The rod's way from first touch, m, negative before it.
-    object_time, object_way = recording.samples(-APPROACH, distance)
-    tip_time, tip_way = recording.samples(-APPROACH, distance, TIP_LAG)
-    wrench_time, wrench_way = recording.samples(-APPROACH, distance, WRENCH_LAG)
+    (object_time, object_way), (tip_time, tip_way), (wrench_time, wrench_way) = (
+        recording.samples(-APPROACH, distance, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG)
+    )
     states = _states(push, distance, np.concatenate([object_way, wrench_way]))
     pose = states[: len(object_way), :3] + (*MIT_TARGET, 0.0)
     noise = recording.noise
@@ -183,11 +183,9 @@ def _states(push: PushResult, distance: float, travel: Array) -> Array:
             if np.count_nonzero(kept) > 1
             else own[-1]
         )
-    start = push.start
-    end = push.end
-    state[travel < 0.0] = (start.x, start.y, start.theta, 0.0, 0.0, 0.0, 0.0)
+    state[travel < 0.0] = (*astuple(push.start), 0.0, 0.0, 0.0, 0.0)
     last = rows[-1, 3:] if push.ended != "left" else np.zeros(4)
-    state[travel >= push.travel] = (end.x, end.y, end.theta, *last)
+    state[travel >= push.travel] = (*astuple(push.end), *last)
     return state
 
 

@@ -100,8 +100,9 @@ def _contacts(rows: pandas.DataFrame, loop: CollectionLoop) -> tuple[Array, Mask
     """
     columns = ["x0", "y0", "theta0", *RODS]
     x, y, theta, tip_x0, tip_y0, tip_x1, tip_y1 = rows[columns].to_numpy(dtype=float).T
-    begun = (tip_x0 - x + 1j * (tip_y0 - y)) * np.exp(-1j * theta)
-    way = (tip_x1 - tip_x0 + 1j * (tip_y1 - tip_y0)) * np.exp(-1j * theta)
+    back = np.exp(-1j * theta)
+    begun = (tip_x0 - x + 1j * (tip_y0 - y)) * back
+    way = (tip_x1 - tip_x0 + 1j * (tip_y1 - tip_y0)) * back
     outline = loop.slider.outline
     radius = loop.pusher.radius
     pieces = contact_curve(outline, radius).pieces

@@ -19,7 +19,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
 from cyclemap.maps.lifts.circle_map import require_map
 from cyclemap.mechanics import Material
-from cyclemap.progress import Progress, unheard
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy, require_strategy
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
@@ -119,21 +119,20 @@ def sample_turns(
     >>> (found.turn[0, 1] - found.turn[0, 0]).round(9).tolist()
     [1.0, 1.0, 1.0, 1.0]
     """
-    theta = TWO_PI * np.arange(whole_number("samples", samples, least=3)) / samples
-    turns = np.array([action.turn for action in actions])
+    theta = even_angles(whole_number("samples", samples, least=3))
+    gripped = np.array([action.turn for action in actions])
     still = [replace(action, turn=0.0) for action in actions]
-    distinct = list(dict.fromkeys(still))
-    rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
-    loops = [
-        action.on(surface)
-        for surface in [on_material(rough, m) for m in materials]
-        for action in distinct
-    ]
-    run = run_cycles(loops, theta)
+    distinct = [*dict.fromkeys(still)]
+    surfaces = [on_material(_roughly(loop), material) for material in materials]
+    run = run_cycles([action.on(surface) for surface in surfaces for action in distinct], theta)
     shape = (len(materials), len(distinct), len(theta))
     places = [distinct.index(action) for action in still]
-    turn = (run.theta_next - run.theta).reshape(shape)[:, places] + turns[:, None]
+    turn = (run.theta_next - run.theta).reshape(shape)[:, places] + gripped[:, None]
     return SampledTurns(turn, run.drag_length.reshape(shape).mean(axis=-1)[:, places])
+
+
+def _roughly(loop: CollectionLoop) -> CollectionLoop:
+    return replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
 
 
 def strategy_maps(
@@ -179,7 +178,6 @@ def strategy_maps(
     require_strategy(strategy)
     computed: dict[CollectionLoop, CircleMap] = {}
     maps = list[CircleMap]()
-    report = progress or unheard
     for acted, action in zip(strategy.loops(loop), strategy.actions, strict=True):
         if acted not in computed:
             computed[acted] = acted.circle_map(tolerance)
@@ -188,7 +186,7 @@ def strategy_maps(
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
         maps.append(made)
-        report(len(maps) / len(strategy.actions))
+        part_of(progress, len(maps), len(strategy.actions))(0.0)
     return tuple(maps)
 
 
@@ -258,12 +256,10 @@ def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Arr
     >>> contact_lengths(CollectionLoop.mit(), [CycleAction()]).round(3).tolist()
     [0.132]
     """
-    rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
+    rough = _roughly(loop)
+    poses = [rough.start_pose(theta) for theta in even_angles(_CONTACT_STARTS).tolist()]
     lengths = {}
     for push in {action.push or loop.push for action in actions}:
-        poses = [
-            rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)
-        ]
         lengths[push] = min(rough.model.push(pose, push).travel for pose in poses)
     return np.array([lengths[action.push or loop.push] for action in actions])
 
@@ -278,22 +274,19 @@ def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
     >>> round(room_needed(CollectionLoop.mit(), CycleAction()), 3)
     0.186
     """
-    acted = action.on(replace(loop, accuracy=max(loop.accuracy, _ACCURACY)))
+    acted = action.on(_roughly(loop))
     step = acted.push.distance / _COURSE
     outline = loop.slider.outline_points()
-    reach = 0.0
-    for index in range(_ROOM_STARTS):
-        theta = TWO_PI * index / _ROOM_STARTS
+    reaches = []
+    for theta in even_angles(_ROOM_STARTS).tolist():
         push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)
         course = push.trajectory
-        way = course.pusher[-1] - course.pusher[0]
-        end = course.pusher[0] + acted.push.distance * way / math.hypot(*way)
-        courses = [course, drag.trajectory] if acted.reset.way_points else [course]
-        rod = max(math.hypot(*place) for place in (course.pusher[0], end, *acted.reset.way_points))
-        places = [placed(stroke.pose.T[..., None], outline) for stroke in courses]
-        reach = max(
-            reach,
-            rod + loop.pusher.radius,
-            *(float(np.hypot(*stroke.T).max()) for stroke in places),
-        )
-    return reach
+        first = course.pusher[0]
+        way = course.pusher[-1] - first
+        end = first + acted.push.distance * way / math.hypot(*way)
+        for place in (first, end, *acted.reset.way_points):
+            reaches.append(math.hypot(*place) + loop.pusher.radius)
+        for stroke in [course, drag.trajectory] if acted.reset.way_points else [course]:
+            places = placed(stroke.pose.T[..., None], outline)
+            reaches.append(float(np.hypot(*places.T).max()))
+    return max(reaches)

@@ -20,7 +20,7 @@ from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushe
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.evidence.tables.conventions import written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
-from cyclemap.progress import Progress, unheard
+from cyclemap.progress import Progress, part_of
 from cyclemap.resets.bias_monitor import BiasMonitor, BiasReport
 from cyclemap.written import DIRECTION
 
@@ -198,10 +198,9 @@ def audit(
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor = BiasMonitor()
     reports = []
-    report = progress or unheard
-    for count, angle in enumerate(theta.tolist(), 1):
+    for index, angle in enumerate(theta.tolist()):
         reports.append(monitor.update(angle))
-        report(count / theta.size)
+        part_of(progress, index, theta.size)(1.0)
     return Audit(
         Path(name).name,
         monitor.path,

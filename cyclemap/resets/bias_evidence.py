@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, even_angles, shorter_way
 from cyclemap.written import DIRECTION
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
@@ -238,7 +238,7 @@ class VisitLaw:
         """Where the density is highest, rad in [0, 2π), under a kernel of 25° at least: narrower
         ones follow chance.
         """
-        grid = np.arange(720) * (math.pi / 360.0)
+        grid = even_angles(720)
         widest = np.exp(-0.5 * (_PEAK_KERNEL * _HARMONICS) ** 2)
         smoothed = np.append(0.0, np.minimum(_WEIGHTS, widest) * self._moments)
         return float(grid[np.argmax(polyval(np.exp(1j * grid), smoothed).real)])

@@ -224,10 +224,8 @@ class BiasMonitor:
                 "lost; give it within a turn, or mend the record it comes from"
             )
         self._path.append(angle)
-        self._rest.add(angle)
-        self._visits.add(angle)
-        self._arcs.add(angle)
-        self.coverage.add(angle)
+        for fed in (self._rest, self._visits, self._arcs, self.coverage):
+            fed.add(angle)
         self._worth.append(self.coverage.effective_pushes)
         del self._worth[: -RECENT - 1]
         if self._alarm is None:

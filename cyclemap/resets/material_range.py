@@ -195,14 +195,7 @@ def material_range(
         changes = [f"axis ratio {'÷' if ratio < 1.0 else '×'} {1.0 + by_axes:g}"] if by_axes else []
         changes += [f"{name} {100.0 * by:+.0f} %" for name, by in (("m0", m0), ("n0", n0)) if by]
         if changes:
-            root = math.sqrt(ratio)
-            friction = replace(
-                law,
-                mu_a=law.mu_a * root,
-                mu_b=law.mu_b / root,
-                m0=law.m0 * (1 + m0),
-                n0=law.n0 * (1 + n0),
-            )
+            friction = replace(stretched(law, ratio), m0=law.m0 * (1 + m0), n0=law.n0 * (1 + n0))
             corners.append(
                 replace(nominal, name=f"{material.name} ({', '.join(changes)})", friction=friction)
             )
@@ -212,6 +205,12 @@ def material_range(
         )
     words = f"axis ratio ± {100.0 * by_axes:g} %, offsets ± {100.0 * by_offsets:g} %, any direction"
     return MaterialRange(nominal, tuple(corners), words)
+
+
+def stretched(law: EllipseFriction, ratio: float) -> EllipseFriction:
+    """Return an ellipse whose axes' ratio is so many times larger, their geometric mean kept."""
+    root = math.sqrt(ratio)
+    return replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
 
 
 def range_of(material: Material, given: Sequence[Material] | MaterialRange | None) -> MaterialRange:

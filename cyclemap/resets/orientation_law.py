@@ -77,7 +77,7 @@ def long_run(kernel: Array) -> Array:
     return np.asarray(np.linalg.solve(step, kernel[..., :-1, -1:])[..., 0])
 
 
-def total_variation(coefficients: Array, samples: int = DENSITY_SAMPLES) -> Array:
+def total_variation(coefficients: Array, samples: int) -> Array:
     """Return the total variation (...) from uniform of densities with Fourier coefficients (...,
     2M).
     """
@@ -86,7 +86,7 @@ def total_variation(coefficients: Array, samples: int = DENSITY_SAMPLES) -> Arra
     )
 
 
-def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES) -> Array:
+def farthest(kernel: Array, starts: int, samples: int) -> Array:
     """Return the largest total variation (...) from uniform that an affine map leaves of any known
     start.
     """
@@ -96,9 +96,7 @@ def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES
 
 def _ends(kernel: Array, starts: int) -> Array:
     """The coefficients (..., starts, 2M) that an affine map leaves of known starts."""
-    modes = kernel.shape[-1] // 2
-    theta = np.arange(1, modes + 1)[:, None] * even_angles(starts)
-    known = np.concatenate([np.cos(theta), -np.sin(theta)])
+    known = 0.5 * _waves(kernel.shape[-1] // 2, starts)
     return np.swapaxes(kernel[..., :-1, :-1] @ known + kernel[..., :-1, -1:], -1, -2)
 
 

@@ -21,7 +21,7 @@ from cyclemap.resets.action_cycles import (
     contact_lengths,
     sample_turns,
 )
-from cyclemap.resets.material_range import MaterialRange, range_of
+from cyclemap.resets.material_range import MaterialRange, range_of, stretched
 from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
 from cyclemap.resets.reset_ranking import (
     AFTER,
@@ -66,6 +66,15 @@ _MOST_SIMULATED = 4_000_000
 # Those by which the material is found where a histogram is worst.
 _ROUGH_RUNS = 20
 _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
+# Where a row tells the value of a demand.
+_TOLD = {
+    TV: "worst",
+    AFTER: "worst_after",
+    DRAG: "drag",
+    SECONDS: "seconds",
+    REACH: "room",
+    CONTACT: "contact",
+}
 # Strategies by what they are told for.
 Picks = list[tuple[str, ResetStrategy]]
 
@@ -345,15 +354,7 @@ def _as_its_row_says(limit: Limit, rows: Sequence[ResetRow]) -> Limit:
     """The limit with what the row of its reset tells, where there is one: the search is coarser."""
     for row in rows:
         if row.strategy == limit.strategy:
-            values = {
-                TV: row.worst,
-                AFTER: row.worst_after,
-                DRAG: row.drag,
-                SECONDS: row.seconds,
-                REACH: row.room,
-                CONTACT: row.contact,
-            }
-            return replace(limit, value=values[limit.demand])
+            return replace(limit, value=getattr(row, _TOLD[limit.demand]))
     return limit
 
 
@@ -419,48 +420,36 @@ class _Judge:
         contact = contact_lengths(prepared, strategy.actions)
         drag = cycles.drag_length[0]
         priced = mixture_costs(prepared, strategy.actions, strategy.shares, drag, contact)
-        costs = {name: float(cost) for name, cost in priced.items()}
+        values = {name: float(cost) for name, cost in priced.items()} | {TV: tv, AFTER: after}
         histogram, worst_histogram = self.distances(strategy, turns)
-        values = {**costs, TV: tv, AFTER: after}
-        if worst_histogram[0] <= independent_distance(self.demands.pushes):
-            values = costs
+        is_even = worst_histogram[0] <= independent_distance(self.demands.pushes)
+        misses = []
+        for name, limit in self.limits.items():
+            # Contact is demanded at least, all else at most.
+            is_missed = values[name] < limit if name == CONTACT else values[name] > limit
+            if is_missed and not (is_even and name in (TV, AFTER)):
+                misses.append(name)
         return ResetRow(
             roles=tuple(roles),
             strategy=strategy,
             nominal=nominal,
-            worst=tv,
-            worst_after=after,
             worst_material=self.about.materials[where],
-            drag=costs[DRAG],
-            seconds=costs[SECONDS],
-            room=costs[REACH],
-            contact=costs[CONTACT],
             histogram=histogram,
             worst_histogram=worst_histogram,
-            misses=self.misses(values),
+            misses=tuple(misses),
             lacking=tuple(need for need in strategy.needs if need not in self.demands.abilities),
+            **{told: values[name] for name, told in _TOLD.items()},
         )
 
-    def misses(self, values: dict[str, float]) -> tuple[str, ...]:
-        """The demands that values miss: contact is demanded at least, all else at most."""
-        missed = []
-        for name, limit in self.limits.items():
-            value = values.get(name, limit)
-            if value < limit if name == CONTACT else value > limit:
-                missed.append(name)
-        return tuple(missed)
-
-    def distances(
-        self, strategy: ResetStrategy, turns: Array
-    ) -> tuple[tuple[float, float], tuple[float, float]]:
+    def distances(self, strategy: ResetStrategy, turns: Array) -> list[tuple[float, float]]:
         """Mean and deviation of histograms' distances from uniform, nominal and where worst."""
         rough = [self.histograms(strategy, turn, _ROUGH_RUNS) for turn in turns]
         peak = self.about.worst(np.array([histogram_distances(shares).mean() for shares in rough]))
-        nominal, worst = (
-            histogram_distances(self.histograms(strategy, turns[material]))
-            for material in (0, peak)
-        )
-        return _spread(nominal), _spread(worst)
+        spreads = []
+        for turn in (turns[0], turns[peak]):
+            distances = histogram_distances(self.histograms(strategy, turn))
+            spreads.append((float(distances.mean()), float(distances.std(ddof=1))))
+        return spreads
 
     def histograms(self, strategy: ResetStrategy, turn: Array, most: int = _RUNS) -> Array:
         """The histograms (runs, 36) of simulated collections."""
@@ -491,17 +480,11 @@ class _Judge:
         geometric mean kept.
         """
         nominal = self.about.nominal
-        law = nominal.friction
-        roots = np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
-        bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
-        stretched = [replace(nominal, friction=friction) for friction in bent]
+        bent = [stretched(nominal.friction, 1.0 + step) for step in _RATIO_STEPS]
+        materials = [replace(nominal, friction=friction) for friction in bent]
         prepared = strategy.prepared(self.loop)
-        turns = sample_turns(prepared, strategy.actions, stretched, _SAMPLES).refined(_REFINED)
+        turns = sample_turns(prepared, strategy.actions, materials, _SAMPLES).refined(_REFINED)
         return [orientation_law(turn, strategy, self.sigma, 1).total_variation for turn in turns]
-
-
-def _spread(distances: Array) -> tuple[float, float]:
-    return float(distances.mean()), float(distances.std(ddof=1))
 
 
 def _runs(pushes: int, most: int) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -210,7 +210,7 @@ def candidate_pool(
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
     sets = own_pushes(loop, about, sigma, demands.within)
-    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
+    places: list[Place | None] = [] if demands.keep_push else [None]
     if RING in demands.abilities and not demands.keep_push:
         x, y = loop.slider.hitch
         places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
@@ -308,7 +308,7 @@ def _untidy(own: SidePush, actions: Sequence[CycleAction], shares: Array) -> Arr
 
 
 def picked(
-    pool: Pool, demands: ResetDemands, firm: float = FIRM[0]
+    pool: Pool, demands: ResetDemands, firm: float
 ) -> tuple[list[tuple[str, ResetStrategy]], tuple[Limit, ...]]:
     """The rows to tell, by role, the chosen one first, and the demands that it misses by the
     search's numbers.

@@ -8,11 +8,11 @@ import math
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import combinations, product
+from itertools import combinations, compress, product
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Place
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import Material, Polygon
@@ -77,7 +77,7 @@ class ActionSet:
 
     family: str
     actions: tuple[CycleAction, ...]
-    hitch: tuple[float, float] | None
+    hitch: Place | None
     turns: SampledTurns
     contact: Array
     kernels: Array
@@ -99,10 +99,11 @@ class Candidates:
 
     def strategy(self, index: int) -> ResetStrategy:
         """Return one of them as a strategy, actions in random order."""
-        chosen = np.flatnonzero(self.shares[index])
-        actions = tuple(self.source.actions[place] for place in chosen.tolist())
-        weights = self.shares[index][chosen] / self.shares[index][chosen].min()
-        return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
+        shares = self.shares[index]
+        used = shares[shares > 0.0]
+        weights = np.round(used / used.min()).tolist()
+        actions = tuple(compress(self.source.actions, shares > 0.0))
+        return ResetStrategy(actions, tuple(weights), hitch=self.source.hitch)
 
 
 def own_pushes(
@@ -129,7 +130,7 @@ def push_set(
     sigma: float,
     least_contact: float,
     slants: tuple[float, ...] = SLANTS,
-    hitch: tuple[float, float] | None = None,
+    hitch: Place | None = None,
 ) -> ActionSet | None:
     """Return the pushes of the loop's length on all sides that keep the object for `least_contact`
     (m) and never jump.
@@ -144,27 +145,21 @@ def push_set(
         with suppress(CycleMapError):
             action.on(prepared).cycle(0.0)
             possible.append(action)
-    held = contact_lengths(prepared, possible)
-    kept = [
-        action for action, contact in zip(possible, held, strict=True) if contact >= least_contact
-    ]
+    kept = [*compress(possible, contact_lengths(prepared, possible) >= least_contact)]
     if not kept:
         return None
     nominal = sample_turns(prepared, kept, [about.nominal], SAMPLES)
-    calm = [
-        action for action, slope in zip(kept, nominal.steepest, strict=True) if slope <= STEEPEST
-    ]
+    calm = tuple(compress(kept, nominal.steepest <= STEEPEST))
     if not calm:
         return None
-    made = _action_set(
-        "pushes" if hitch is None else RING, prepared, tuple(calm), about.searched, sigma, hitch
-    )
+    family = "pushes" if hitch is None else RING
+    made = _action_set(family, prepared, calm, about.searched, sigma, hitch)
     steepest = made.turns.steepest
     # Where every push jumps somewhere in the range, the one that is least steep.
-    chosen = np.flatnonzero(steepest <= max(STEEPEST, steepest.min()))
+    chosen = steepest <= max(STEEPEST, steepest.min())
     return replace(
         made,
-        actions=tuple(made.actions[place] for place in chosen.tolist()),
+        actions=tuple(compress(made.actions, chosen)),
         turns=SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen]),
         contact=made.contact[chosen],
         kernels=made.kernels[:, chosen],
@@ -261,7 +256,7 @@ def _action_set(
     actions: tuple[CycleAction, ...],
     materials: tuple[Material, ...],
     sigma: float,
-    hitch: tuple[float, float] | None = None,
+    hitch: Place | None = None,
 ) -> ActionSet:
     turns = sample_turns(loop, actions, materials, SAMPLES)
     kernels = affine_kernels(turns.refined(_REFINED), _MODES, sigma)

@@ -24,7 +24,7 @@ from cyclemap.collection.loop import CollectionLoop, require_loop, run_cycles
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.turn_bins import bin_shares
-from cyclemap.progress import Progress, unheard
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.strategy import ResetStrategy, require_strategy
 from cyclemap.resets.action_cycles import checked_turns
 from cyclemap.resets.coverage import Crowding
@@ -115,13 +115,10 @@ def run_strategy(
     """
     require_loop(loop)
     require_strategy(strategy)
-    count = whole_number("cycles", cycles, least=1)
-    many = whole_number("runs", runs, least=1)
-    require_room("the orientations", many * count, "give fewer cycles or runs")
-    chosen = drawn_actions(strategy, count, many, whole_number("seed", seed, least=0))
-    kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
+    many, count = _checked_runs(runs, cycles, sigma, seed)
+    chosen = drawn_actions(strategy, count, many, seed)
+    kicks = noise_of_runs(sigma, count, many, seed)
     turns = np.array([action.turn for action in strategy.actions])
-    report = progress or unheard
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
@@ -131,7 +128,7 @@ def run_strategy(
         doing = chosen[:, cycle]
         ran = run_cycles([today[action] for action in doing.tolist()], theta[:, cycle, None])
         theta[:, cycle + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, cycle]
-        report((cycle + 1) / count)
+        part_of(progress, cycle, count)(1.0)
     return StrategyRun(read_only(theta), chosen)
 
 
@@ -194,11 +191,9 @@ def sampled_orientations(
     [[0.0, 90.0, 180.0]]
     """
     turns = checked_turns(turn, len(require_strategy(strategy).actions))
-    _check_runs(cycles, runs, sigma, seed)
+    shape = _checked_runs(runs, cycles, sigma, seed)
     chosen = drawn_actions(strategy, cycles, runs, seed)
-    return _followed(
-        turns, chosen.shape, sigma, seed, start, lambda cycle, theta, ends: chosen[:, cycle]
-    )
+    return _followed(turns, shape, sigma, seed, start, lambda cycle, theta, ends: chosen[:, cycle])
 
 
 def steered_orientations(
@@ -241,27 +236,29 @@ def steered_orientations(
     [0.0, 90.0, 180.0, 270.0]
     """
     turns = checked_turns(turn)
-    _check_runs(cycles, runs, sigma, seed)
+    shape = _checked_runs(runs, cycles, sigma, seed)
     crowding = Crowding(runs)
 
     def least(cycle: int, theta: Array, ends: Array) -> Whole:
         crowding.add(theta)
         return np.asarray(np.argmin(crowding.at(ends), axis=0))
 
-    return _followed(turns, (runs, cycles), sigma, seed, None, least)
+    return _followed(turns, shape, sigma, seed, None, least)
 
 
-def _check_runs(cycles: int, runs: int, sigma: float, seed: int) -> None:
+def _checked_runs(runs: int, cycles: int, sigma: float, seed: int) -> tuple[int, int]:
+    """How many runs of how many cycles; InvalidInput for numbers that make none."""
     count = whole_number("cycles", cycles, least=1)
     many = whole_number("runs", runs, least=1)
     require_room("the orientations", many * count, "give fewer cycles or runs")
     non_negative_number("sigma", sigma)
     whole_number("seed", seed, least=0)
+    return many, count
 
 
 def _followed(
     turn: Array,
-    shape: tuple[int, ...],
+    shape: tuple[int, int],
     sigma: float,
     seed: int,
     start: float | None,

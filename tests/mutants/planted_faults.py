@@ -26,7 +26,7 @@ ORIENTATIONS = "tests/evidence/laws/test_circular_distance.py tests/evidence/com
 IDENTIFICATION = "tests/evidence/identification"
 PUSHES, TABLES = "tests/evidence/pushes", "tests/evidence/tables"
 DESIGN = "tests/resets/test_orientation_law.py tests/resets/test_strategy.py tests/resets"
-MONITOR = "tests/resets/test_arc_evidence.py tests/resets/test_bias_monitor.py tests/resets"
+MONITOR = "tests/resets/test_bias_evidence.py tests/resets/test_bias_monitor.py tests/resets"
 
 FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "mechanics/engine/ellipse.c": (
@@ -874,8 +874,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_reset_design.py tests/resets",
         [
             (
-                "value < limit if name == CONTACT else value > limit",
-                "value > limit",
+                "values[name] < limit if name == CONTACT else values[name] > limit",
+                "values[name] > limit",
             ),
             (
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
@@ -911,13 +911,13 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("travel / ROD_SPEED + HANDLING + GRIPPING * turned", "travel / ROD_SPEED + HANDLING"),
             ("lengths[push] = min(rough.model", "lengths[push] = max(rough.model"),
-            ("[:, places] + turns[:, None]", "[:, places]"),
+            ("[:, places] + gripped[:, None]", "[:, places]"),
         ],
     ),
     "resets/reset_search.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
-            ("if contact >= least_contact\n", "if contact <= least_contact\n"),
+            ("possible) >= least_contact", "possible) <= least_contact"),
             (
                 "tv[rows] = np.maximum(\n                tv[rows],",
                 "tv[rows] = np.minimum(\n                1.0 + tv[rows],",
@@ -925,7 +925,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "resets/bias_evidence.py": (
-        f"{MONITOR} tests/resets/test_rest_evidence.py",
+        MONITOR,
         [
             ("settle(raised[:, 0] - log_mean)", "settle(raised[:, 0])"),
             (
@@ -947,7 +947,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "self._sum += self._e_value(turns, _MANY) / len(CHECKS)",
                 "self._sum += self._e_value(turns, _MANY)",
             ),
-            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
+            ("** visits.shape[1] * arcs", "** (visits.shape[1] - 1) * arcs"),
         ],
     ),
     "resets/bias_monitor.py": (

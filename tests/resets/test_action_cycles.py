@@ -22,30 +22,22 @@ def test_sampled_turns_are_those_of_single_cycles_on_every_material() -> None:
             runs = [loop.cycle(theta) for theta in 2.0 * math.pi * np.arange(5) / 5]
             turns = [run.theta_next - run.theta + action.turn for run in runs]
             assert found.turn[m, a] == pytest.approx(turns, abs=2e-4)
-            assert found.drag_length[m, a] == pytest.approx(
-                np.mean([run.drag_length for run in runs]), abs=1e-5
-            )
+            drag = np.mean([run.drag_length for run in runs])
+            assert found.drag_length[m, a] == pytest.approx(drag, abs=1e-5)
 
 
 @pytest.mark.slow
 def test_the_spline_between_samples_comes_nearer_with_more_of_them() -> None:
-    """By more than four times, second order, from 36 to 72 samples of a map with kinks; measured at
-    720 cycles.
-    """
-    fine = sample_turns(LOOP, ACTIONS[:1], [LOOP.material], 720).turn
-    errors = [
-        np.abs(sample_turns(LOOP, ACTIONS[:1], [LOOP.material], count).refined(720) - fine).max()
-        for count in (36, 72)
-    ]
+    """By more than four times, second order, from 36 to 72 samples of a map with kinks."""
+    fine, *rough = (sample_turns(LOOP, ACTIONS[:1], [LOOP.material], n) for n in (360, 36, 72))
+    errors = [np.abs(turns.refined(360) - fine.turn).max() for turns in rough]
     assert 4.0 * errors[1] < errors[0] < 0.05
 
 
 def test_cycle_maps_are_the_sampled_turns() -> None:
-    strategy = ResetStrategy(ACTIONS)
-    turns = map_turns(strategy_maps(LOOP, strategy), 36)
-    assert turns == pytest.approx(
-        sample_turns(LOOP, ACTIONS, [LOOP.material], 36).turn[0], abs=3e-4
-    )
+    turns = map_turns(strategy_maps(LOOP, ResetStrategy(ACTIONS)), 36)
+    sampled = sample_turns(LOOP, ACTIONS, [LOOP.material], 36).turn[0]
+    assert turns == pytest.approx(sampled, abs=3e-4)
 
 
 def test_contact_is_as_long_as_the_rod_pushes() -> None:
@@ -56,11 +48,8 @@ def test_contact_is_as_long_as_the_rod_pushes() -> None:
     assert own == pytest.approx(min(travels), abs=1e-5)
     assert slanted < 0.08 < 0.12 < own < 0.15
     # 20 mm/s in contact, 10 s for all else, 10 s more for a gripper.
-    assert seconds(np.array([0.2, 0.3, 0.2]), np.array([0.0, 0.0, 0.5])).tolist() == [
-        20.0,
-        25.0,
-        25.0,
-    ]
+    told = seconds(np.array([0.2, 0.3, 0.2]), np.array([0.0, 0.0, 0.5]))
+    assert told.tolist() == [20.0, 25.0, 25.0]
 
 
 def test_the_room_holds_rod_and_object_all_along() -> None:

@@ -5,6 +5,7 @@ folders of pushes.
 import json
 import os
 import shutil
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,6 +15,20 @@ from cyclemap.errors import DataFileError
 from cyclemap.evidence import read_theta0_pairs
 from cyclemap.resets import theta0_feed as module
 from cyclemap.resets.theta0_feed import NewOrientations, theta0_feed
+
+NOTHING = NewOrientations(())
+damaged = partial(refused, kind=DataFileError)
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "data.csv"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "pushes").mkdir()
+    return tmp_path / "pushes"
 
 
 def degrees(found) -> list[float]:
@@ -25,9 +40,7 @@ def append(file, text: str) -> None:
         stream.write(text)
 
 
-def test_rows_are_given_once_as_they_come_and_a_half_written_one_when_it_is_whole(tmp_path) -> None:
-    """A bad one is named by its line, however late it comes."""
-    file = tmp_path / "growing.csv"
+def test_rows_are_given_once_as_they_come_and_a_half_written_one_when_it_is_whole(file) -> None:
     file.write_text("theta0")
     feed = theta0_feed(file)
     assert degrees(feed.look()) == []
@@ -42,135 +55,113 @@ def test_rows_are_given_once_as_they_come_and_a_half_written_one_when_it_is_whol
     late = theta0_feed(file)
     assert len(late.look().theta) == 3 and degrees(feed.look(finished=True)) == [7.0]
     append(file, "\n3\n4,5\n")
-    refused(late.look, told="line 8: 2 of 1 fields", kind=DataFileError)
+    damaged(late.look, told="line 8: 2 of 1 fields")
 
 
-def test_a_file_in_pieces_of_any_size_gives_what_the_whole_file_gives(tmp_path) -> None:
-    content = "\ufefftheta0_deg,note\n" + "".join(f"{7.5 * k},é{k}\n" for k in range(40))
-    raw = content.encode()
-    whole, growing = tmp_path / "whole.csv", tmp_path / "growing.csv"
-    whole.write_bytes(raw)
-    expected = degrees(theta0_feed(whole).look(finished=True))
-    assert expected == [7.5 * k for k in range(40)]
-    for size in (1, 7, 64):
-        growing.write_bytes(b"")
-        feed, found = theta0_feed(growing), []
-        for at in range(0, len(raw), size):
-            with growing.open("ab") as stream:
-                stream.write(raw[at : at + size])
-            found += degrees(feed.look())
-        assert found == expected
+@pytest.mark.parametrize("size", [1, 7])
+def test_a_file_in_pieces_of_any_size_gives_what_the_whole_file_gives(file, size) -> None:
+    raw = ("\ufefftheta0_deg,note\n" + "".join(f"{7.5 * k},é{k}\n" for k in range(20))).encode()
+    file.touch()
+    feed, found = theta0_feed(file), []
+    for at in range(0, len(raw), size):
+        with file.open("ab") as stream:
+            stream.write(raw[at : at + size])
+        found += degrees(feed.look())
+    assert found == [7.5 * k for k in range(20)]
 
 
-def test_pairs_and_staircases_are_read_by_their_first_orientation(tmp_path, measured_data) -> None:
-    pairs = tmp_path / "pairs.csv"
-    pairs.write_text("theta_next_deg,Theta0_deg\n20,10\n30,20\n")
-    assert degrees(theta0_feed(pairs).look(finished=True)) == [10.0, 20.0]
+def test_pairs_and_staircases_are_read_by_their_first_orientation(file, measured_data) -> None:
+    file.write_text("theta_next_deg,Theta0_deg\n20,10\n30,20\n")
+    assert degrees(theta0_feed(file).look(finished=True)) == [10.0, 20.0]
     staircase = measured_data / "plywood_rect1_theta0_2000.csv"
     found = theta0_feed(staircase).look(finished=True).theta
     assert np.array(found) == pytest.approx(read_theta0_pairs(staircase).path)
 
 
-ROWS = ["10.125", "20.250", "30.375", "40.500", "50.625", "60.750", "70.875"]
+ROWS = ["10.125", "20.250", "30.375", "40.500"]
 
 
 def written(rows) -> str:
     return "theta0_deg\n" + "".join(f"{row}\n" for row in rows)
 
 
-CHANGES = [
-    # Cut short; cut at its start and written on; an edit of any row; a rotated log that begins with
-    # some of the same.
-    *(ROWS[:1], ROWS[1:], [*ROWS[1:], "1.5", "2.5"]),
-    *([*ROWS[:row], ROWS[row][:-1] + "9", *ROWS[row + 1 :]] for row in range(len(ROWS))),
-    *([*ROWS[:kept], "111.5", "222.5"] for kept in range(len(ROWS))),
-]
-
-
 @pytest.mark.parametrize("how", ["in place", "replaced", "removed"])
-@pytest.mark.parametrize("rows", CHANGES)
-def test_a_file_that_begins_anew_is_read_from_its_start(tmp_path, how, rows) -> None:
-    """By the same inode, by another's, or by one that is used again: the checksum of all that was
-    read tells.
-    """
-    file, other = tmp_path / "data.csv", tmp_path / "other.csv"
+@pytest.mark.parametrize(
+    "rows",
+    [
+        # Cut short; cut at its start and written on; edited; a rotated log that begins alike.
+        *(ROWS[:1], ROWS[1:], [*ROWS[1:], "1.5", "2.5"]),
+        *(["10.129", *ROWS[1:]], [*ROWS[:2], "30.379", *ROWS[3:]], [*ROWS[:3], "40.509"]),
+        *(["111.5", "222.5"], [*ROWS[:3], "111.5", "222.5"]),
+    ],
+)
+def test_a_file_that_begins_anew_is_read_from_its_start(file, how, rows) -> None:
+    """By the same inode, by another's, or by one that is used again."""
     file.write_text(written(ROWS))
     feed = theta0_feed(file)
     assert not feed.look().began_anew
     if how == "in place":
-        with file.open("r+") as stream:
-            stream.truncate(0)
-            stream.write(written(rows))
+        file.write_text(written(rows))
     elif how == "replaced":
+        other = file.with_name("other.csv")
         other.write_text(written(rows))
         other.replace(file)
     else:
         file.unlink()
-        assert feed.look() == NewOrientations(())
+        assert feed.look() == NOTHING
         file.write_text(written(rows))
     found = feed.look()
     assert found.began_anew and degrees(found) == [float(one) for one in rows]
-    assert feed.look() == NewOrientations(())
+    assert feed.look() == NOTHING
 
 
-def test_a_file_that_is_empty_for_a_while_is_what_was_read_until_new_rows_come(tmp_path) -> None:
-    file = tmp_path / "data.csv"
+def test_a_file_that_is_empty_for_a_while_is_what_was_read_until_new_rows_come(file) -> None:
     file.write_text(written(ROWS))
     feed = theta0_feed(file)
     feed.look()
     file.write_text("")
-    assert feed.look() == NewOrientations(())
+    assert feed.look() == NOTHING
     file.write_text(written(ROWS[:1]))
     assert feed.look() == NewOrientations((np.radians(10.125),), began_anew=True)
     append(file, "20.25\n")
     assert feed.look() == NewOrientations((np.radians(20.25),))
 
 
-def test_a_pipe_and_a_file_without_end_are_refused(tmp_path, monkeypatch) -> None:
+def test_a_pipe_and_a_file_without_end_are_refused(tmp_path, file, monkeypatch) -> None:
     os.mkfifo(tmp_path / "pipe.csv")
-    refused(
-        theta0_feed(tmp_path / "pipe.csv").look,
-        told=r"pipe\.csv: is a pipe or a device",
-        kind=DataFileError,
-    )
+    damaged(theta0_feed(tmp_path / "pipe.csv").look, told=r"pipe\.csv: is a pipe or a device")
     monkeypatch.setattr(module, "MOST_BYTES", 100)
-    (tmp_path / "long.csv").write_text(written(ROWS * 5))
-    refused(
-        theta0_feed(tmp_path / "long.csv").look,
-        told=r"long\.csv: holds more than 0\.0 MB",
-        kind=DataFileError,
-    )
+    file.write_text(written(ROWS * 5))
+    damaged(theta0_feed(file).look, told=r"data\.csv: holds more than 0\.0 MB")
 
 
-def test_bad_rows_are_named_with_line_and_value(tmp_path) -> None:
-    file = tmp_path / "data.csv"
-    refused(theta0_feed(file).look, told="there is no such file", kind=DataFileError)
-    for content, told in (
-        (
-            "theta0_deg\n1\nabc\n",
-            r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number",
-        ),
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("theta0_deg\n1\nabc\n", r"data.csv, line 3: theta0_deg is 'abc'; .* a finite number"),
         ("theta0_deg\n1\n\nnan\n", r"line 4: theta0_deg is 'nan'"),
         ("theta0_deg,flag\n1,\n2\n", "line 3: 1 of 2 fields"),
         ("speed,flag\n1,\n", r"say which, --columns theta0=NAME; it has speed, flag"),
         ('theta0_deg\n"1\n', r"line 2: .* mend the quotes"),
-        (
-            "theta0_deg\n1\n1e300\n",
-            r"line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost",
-        ),
+        ("theta0_deg\n1\n1e300\n", r"line 3: theta0_deg is '1e300'; .* of a turn is lost"),
         ("theta0_accum_deg\n-6e10\n", r"line 2: theta0_accum_deg is '-6e10'; at such a size"),
         ("theta0_deg\n", "line 1: a header but no rows"),
         ("", "the file is empty; it needs a header line"),
-    ):
-        file.write_text(content)
-        refused(theta0_feed(file).look, finished=True, told=told, kind=DataFileError)
+        ("theta0_deg\n1\n\udcff\n", "line 3: byte 13 is not UTF-8 text"),
+    ],
+)
+def test_bad_rows_are_named_with_line_and_value(file, content, told) -> None:
+    damaged(theta0_feed(file).look, told="there is no such file")
+    file.write_text(content, errors="surrogateescape")
+    damaged(theta0_feed(file).look, finished=True, told=told)
+
+
+def test_a_header_that_grows_into_another_is_refused(file) -> None:
     file.write_text("theta0")
     feed = theta0_feed(file)
     append(file, "\n1\n")
     named = "line 1: the header is theta0; it must have theta0_deg or theta0_accum_deg"
-    refused(feed.look, told=named, kind=DataFileError)
-    file.write_bytes(b"theta0_deg\n1\n\xff\n")
-    refused(theta0_feed(file).look, told="line 3: byte 13 is not UTF-8 text", kind=DataFileError)
+    damaged(feed.look, told=named)
 
 
 def push_text(theta: float) -> str:
@@ -178,101 +169,74 @@ def push_text(theta: float) -> str:
     return json.dumps({"object_pose": poses, "tip_pose": poses, "ft_wrench": poses})
 
 
-def push_file(folder, repetition: int):
-    return (
-        folder
-        / f"motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
-    )
+def push_file(folder, repetition: int, text: str):
+    name = f"motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={repetition:04d}"
+    (folder / f"{name}.json").write_text(text)
 
 
-def test_a_folder_gives_its_pushes_in_order_and_waits_for_one_half_written(tmp_path) -> None:
+def test_a_folder_gives_its_pushes_in_order_and_waits_for_one_half_written(folder) -> None:
     for repetition in (2, 10, 1):
-        push_file(tmp_path, repetition).write_text(push_text(0.1 * repetition))
-    feed = theta0_feed(tmp_path)
+        push_file(folder, repetition, push_text(0.1 * repetition))
+    feed = theta0_feed(folder)
     assert feed.look().theta == pytest.approx((0.1, 0.2, 1.0))
-    late = push_file(tmp_path, 11)
-    late.write_text(push_text(1.1)[:60])
-    push_file(tmp_path, 12).write_text(push_text(1.2))
+    push_file(folder, 11, push_text(1.1)[:60])
+    push_file(folder, 12, push_text(1.2))
     assert feed.look().theta == ()
-    late.write_text(push_text(1.1))
+    push_file(folder, 11, push_text(1.1))
     assert feed.look().theta == pytest.approx((1.1, 1.2))
-    push_file(tmp_path, 13).write_text("{")
+    push_file(folder, 13, "{")
     feed.look()
-    refused(feed.look, told=r"rep=0013\.json: not JSON, or cut short", kind=DataFileError)
-    push_file(tmp_path, 13).write_text(push_text(2e9))
+    damaged(feed.look, told=r"rep=0013\.json: not JSON, or cut short")
+    push_file(folder, 13, push_text(2e9))
     lost = r"rep=0013\.json: .* is 2e[+]09; it must be a number within"
-    refused(feed.look, finished=True, told=lost, kind=DataFileError)
+    damaged(feed.look, finished=True, told=lost)
 
 
-def test_an_empty_folder_is_no_collection(tmp_path) -> None:
-    folder = tmp_path / "pushes"
-    folder.mkdir()
+def test_an_empty_folder_is_no_collection(folder) -> None:
     feed = theta0_feed(folder)
     assert feed.look().theta == ()
-    refused(feed.look, finished=True, told="holds no recorded push", kind=DataFileError)
+    damaged(feed.look, finished=True, told="holds no recorded push")
     (folder / "plywood").mkdir()
     (folder / "plywood" / "push.h5").touch()
-    refused(
-        feed.look, finished=True, told=r"there are some in .*plywood: give that", kind=DataFileError
-    )
+    damaged(feed.look, finished=True, told=r"there are some in .*plywood: give that")
     shutil.rmtree(folder)
     folder.write_text("")
-    refused(feed.look, told=r"pushes: cannot be read \(Not a directory\)", kind=DataFileError)
+    damaged(feed.look, told=r"pushes: cannot be read \(Not a directory\)")
 
 
-def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(
-    tmp_path,
-) -> None:
-    folder = tmp_path / "pushes"
-    folder.mkdir()
-    push_file(folder, 1).write_text(push_text(0.1))
+def test_a_folder_that_is_away_is_read_anew_once_it_holds_pushes_again(folder) -> None:
+    push_file(folder, 1, push_text(0.1))
     feed = theta0_feed(folder)
     assert feed.look().theta == pytest.approx((0.1,))
     shutil.rmtree(folder)
-    for _ in range(2):
-        assert feed.look() == NewOrientations(())
-    refused(
-        feed.look,
-        finished=True,
-        told="pushes: there is no such folder; check the path",
-        kind=DataFileError,
-    )
+    assert [feed.look(), feed.look()] == [NOTHING] * 2
+    damaged(feed.look, finished=True, told="pushes: there is no such folder; check the path")
     folder.mkdir()
-    assert feed.look() == NewOrientations(())
-    push_file(folder, 1).write_text(push_text(0.3))
+    assert feed.look() == NOTHING
+    push_file(folder, 1, push_text(0.3))
     found = feed.look()
     assert found.began_anew and found.theta == pytest.approx((0.3,))
-    assert feed.look() == NewOrientations(())
+    assert feed.look() == NOTHING
 
 
-def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(tmp_path) -> None:
-    push_file(tmp_path, 1).write_text(push_text(0.1))
-    (tmp_path / "d.json").mkdir()
-    os.mkfifo(tmp_path / "p.json")
-    assert theta0_feed(tmp_path).look(finished=True).theta == pytest.approx((0.1,))
-    link = tmp_path / "link.json"
-    link.symlink_to(tmp_path / "elsewhere" / "push.json")
-    feed = theta0_feed(tmp_path)
+def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(folder) -> None:
+    push_file(folder, 1, push_text(0.1))
+    (folder / "d.json").mkdir()
+    os.mkfifo(folder / "p.json")
+    assert theta0_feed(folder).look(finished=True).theta == pytest.approx((0.1,))
+    elsewhere = folder.with_name("push.json")
+    (folder / "link.json").symlink_to(elsewhere)
+    feed = theta0_feed(folder)
     assert feed.look().theta == pytest.approx((0.1,))
-    refused(
-        feed.look,
-        finished=True,
-        told=r"link\.json: a link to a file that is not there",
-        kind=DataFileError,
-    )
-    (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "elsewhere" / "push.json").write_text(push_text(0.7))
+    damaged(feed.look, finished=True, told=r"link\.json: a link to a file that is not there")
+    elsewhere.write_text(push_text(0.7))
     assert feed.look(finished=True).theta == pytest.approx((0.7,))
 
 
 def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(
-    tmp_path, monkeypatch
+    folder, monkeypatch
 ) -> None:
-    """A file deleted between listing and reading is passed over while following; a failing disk is
-    named.
-    """
-    file = push_file(tmp_path, 1)
-    file.write_text(push_text(0.1))
+    """One that is deleted after it was listed is passed over; a failing disk is named."""
 
     def vanishing(path):
         path.unlink()
@@ -281,55 +245,45 @@ def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(
     def failing(path):
         raise OSError(5, "Input/output error")
 
+    push_file(folder, 1, push_text(0.1))
     monkeypatch.setattr(module, "read_push_file", vanishing)
-    feed = theta0_feed(tmp_path)
+    feed = theta0_feed(folder)
     assert [feed.look().theta, feed.look().theta] == [(), ()]
-    file.write_text(push_text(0.1))
+    push_file(folder, 1, push_text(0.1))
     monkeypatch.setattr(module, "read_push_file", failing)
-    refused(
-        feed.look,
-        finished=True,
-        told=r"rep=0001\.json: cannot be read \(Input/output error\)",
-        kind=DataFileError,
-    )
+    damaged(feed.look, finished=True, told=r"rep=0001\.json: cannot be read \(Input/output error\)")
 
 
-def test_a_table_of_ones_own_is_followed_row_by_row(tmp_path) -> None:
-    """Semicolons and decimal commas, a line cut off in its number, a missing value, an edit: θ0 as
-    they stand there.
-    """
-    file = tmp_path / "log.csv"
+def test_a_table_of_ones_own_is_followed_row_by_row(file) -> None:
+    """Semicolons and decimal commas, a number cut off, a missing value, an edit."""
     file.write_text("Nr;yaw")
     feed = theta0_feed(file, {"theta0": "yaw"}, ["deg"])
-    assert feed.look() == NewOrientations(())
+    assert feed.look() == NOTHING
     append(file, "\n1;12,5\n2;17,2")
     assert degrees(feed.look()) == [12.5]
     append(file, "5\n3;\n4;31,0\n")
     found = feed.look()
     assert degrees(found) == [17.25, 31.0]
     assert any("yaw read as theta0 in deg" in line for line in found.words)
-    assert feed.look() == NewOrientations(())
+    assert feed.look() == NOTHING
     file.write_text("Nr;yaw\n1;12,5\n2;18,0\n3;20,0\n")
     found = feed.look()
     assert found.began_anew and degrees(found) == [12.5, 18.0, 20.0]
     file.unlink()
-    assert feed.look() == NewOrientations(())
-    refused(feed.look, finished=True, told="no such file", kind=DataFileError)
+    assert feed.look() == NOTHING
+    damaged(feed.look, finished=True, told="no such file")
 
 
-def test_what_rows_to_come_would_read_otherwise_is_not_followed(tmp_path) -> None:
-    for name, content, told in (
-        (
-            "small.csv",
-            "yaw\n0.5\n1.0\n",
-            "later rows may tell another unit of yaw: say it, --units deg or rad",
-        ),
-        (
-            "stream.csv",
-            "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n",
-            "stream of poses is cut into pushes once it is whole",
-        ),
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("small.csv", "yaw\n0.5\n1.0\n", "another unit of yaw: say it, --units deg or rad"),
+        ("stream.csv", "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n", "into pushes once it is whole"),
         ("log.xlsx", "no\nmatter\n", "only a CSV file is read while it grows"),
-    ):
-        (tmp_path / name).write_text(content)
-        refused(theta0_feed(tmp_path / name).look, told=told, kind=DataFileError)
+    ],
+)
+def test_what_rows_to_come_would_read_otherwise_is_not_followed(
+    tmp_path, name, content, told
+) -> None:
+    (tmp_path / name).write_text(content)
+    damaged(theta0_feed(tmp_path / name).look, told=told)

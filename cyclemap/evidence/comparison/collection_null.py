@@ -28,7 +28,7 @@ from cyclemap.evidence.laws.circular_distance import (
     watson_statistic,
 )
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal, sample_staircases
-from cyclemap.progress import Progress, part_of
+from cyclemap.progress import Progress, part_of, unheard
 
 _CELLS = 4096  # of the grid on which the images of an ensemble are counted
 _REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
@@ -176,9 +176,7 @@ def as_prediction(
         # A surface at the edge of the posterior may not be able to make every cycle: the others
         # tell the spread.
         with suppress(UnsupportedContact, ConvergenceError):
-            samples.append(
-                _map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, part_of(None, 0, 1))
-            )
+            samples.append(_map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, unheard))
         part_of(progress, done, parts)(1.0)
     kept = tuple(samples) if len(samples) > 1 else ()
     return CollectionModel(chosen, noise or WrappedNormal(DEFAULT_SIGMA), samples=kept)
@@ -228,6 +226,13 @@ class Ensemble:
 
 
 CollectionStatistic = Callable[[Array, Ensemble], Array]
+# How far orientations lie from a law, by name.
+DISTANCES = {
+    "wasserstein": circular_wasserstein,
+    "total_variation": total_variation,
+    "kuiper": kuiper_statistic,
+    "watson": watson_statistic,
+}
 CollectionRefit = Callable[[Array], CollectionModel]
 
 
@@ -297,15 +302,13 @@ def collection_statistics() -> dict[str, CollectionStatistic]:
     def climb(paths: Array) -> Array:
         return paths[:, -1] - paths[:, 0]
 
-    return {
-        "wasserstein": lambda paths, ensemble: circular_wasserstein(paths, ensemble.law),
-        "total_variation": lambda paths, ensemble: total_variation(paths, ensemble.law),
-        "kuiper": lambda paths, ensemble: kuiper_statistic(paths, ensemble.law),
-        "watson": lambda paths, ensemble: watson_statistic(paths, ensemble.law),
-        "turns": lambda paths, ensemble: (
-            np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI
-        ),
-    }
+    def turns(paths: Array, ensemble: Ensemble) -> Array:
+        return np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI
+
+    def from_law(name: str) -> CollectionStatistic:
+        return lambda paths, ensemble: DISTANCES[name](paths, ensemble.law)
+
+    return {name: from_law(name) for name in DISTANCES} | {"turns": turns}
 
 
 def collection_p_values(

@@ -13,7 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
-from cyclemap.evidence.comparison.collection_null import CollectionModel, Ensemble
+from cyclemap.evidence.comparison.collection_null import DISTANCES, CollectionModel, Ensemble
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quantity_agreement
 from cyclemap.evidence.laws.circular_distance import (
     PValue,
@@ -36,7 +36,6 @@ from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_st
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE, DIRECTION
 
-ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
 # Orientations of the ensemble from which the predicted modes are taken.
 _POOLED = 12_000
 # The share of simulated collections within the range that is told.
@@ -71,8 +70,6 @@ class CycleAgreement:
     p_value : PValue or None
         Of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes
         is unknown.
-    pairs
-        The measured cycles.
     """
 
     agreement: MapAgreement
@@ -181,7 +178,7 @@ def orientation_agreement(
         measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI))
     )
     return OrientationAgreement(
-        path.size, {name: tested[name] for name in ORIENTATION_TESTS}, measured, predicted
+        path.size, {name: tested[name] for name in DISTANCES}, measured, predicted
     )
 
 
@@ -348,14 +345,13 @@ def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
     """
     known = simulated[np.isfinite(simulated)]
     value = measured if np.isfinite(measured) else None
-    if not known.size:
-        return SimulatedQuantity(value, None, None, None, None)
-    lower, middle, upper = np.quantile(known, [RANGE[0], 0.5, RANGE[1]]).tolist()
-    if value is None:
-        return SimulatedQuantity(value, middle, lower, upper, None)
-    # The median of all of them: the measured number is then treated as every simulated one is.
-    centre = float(np.median(np.append(known, value)))
-    p_value = monte_carlo_p_value(abs(value - centre), np.abs(known - centre))
+    lower = middle = upper = p_value = None
+    if known.size:
+        lower, middle, upper = np.quantile(known, [RANGE[0], 0.5, RANGE[1]]).tolist()
+    if known.size and value is not None:
+        # The median of all of them: the measured number is then treated as every simulated one is.
+        centre = float(np.median(np.append(known, value)))
+        p_value = monte_carlo_p_value(abs(value - centre), np.abs(known - centre))
     return SimulatedQuantity(value, middle, lower, upper, p_value)
 
 

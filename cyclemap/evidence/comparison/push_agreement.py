@@ -212,34 +212,29 @@ def _agreement(pushes: PosedSet, moved: Array, sampled: Array | None) -> PushAgr
     )
 
 
-def mean_distances(
-    sets: Sequence[PushAgreement],
-) -> tuple[tuple[float, float], tuple[float, float]]:
+def mean_distances(sets: Sequence[PushAgreement]) -> list[tuple[float, float]]:
     """How far pushes end from the prediction on average, place (m) and turn (rad), and from
     isotropic friction's.
     """
-    predicted = np.concatenate([pushes.predicted - pushes.measured for pushes in sets])
-    isotropic = np.concatenate([pushes.isotropic - pushes.measured for pushes in sets])
-    return _mean_distance(predicted), _mean_distance(isotropic)
-
-
-def _mean_distance(off: Array) -> tuple[float, float]:
-    turn, x, y = off.T
-    return float(np.mean(np.hypot(x, y))), float(np.mean(np.abs(turn)))
+    distances = []
+    for name in ("predicted", "isotropic"):
+        off = np.concatenate([getattr(pushes, name) - pushes.measured for pushes in sets])
+        turn, x, y = off.T
+        distances.append((float(np.mean(np.hypot(x, y))), float(np.mean(np.abs(turn)))))
+    return distances
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:
     """The quantities of all sets, of which there is one at least, taken together."""
     known = [(pushes.count, pushes.sampled) for pushes in sets if pushes.sampled is not None]
-    most = max((len(sampled) for _, sampled in known), default=0)
-    complete = [(count, sampled) for count, sampled in known if len(sampled) == most]
-    shifts = None
-    if complete:
+    errors = np.zeros(len(QUANTITIES))
+    if known:
+        most = max(len(sampled) for _, sampled in known)
+        complete = [(count, sampled) for count, sampled in known if len(sampled) == most]
         counts, samples = zip(*complete, strict=True)
-        shifts = np.average(samples, axis=0, weights=counts)
+        errors = np.std(np.average(samples, axis=0, weights=counts), axis=0, ddof=1)
     measured = np.concatenate([pushes.measured for pushes in sets])
     predicted = np.concatenate([pushes.predicted for pushes in sets])
-    errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
     columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
     sizes = [pushes.count for pushes in sets]
     return tuple(quantity_agreement(*column, sizes) for column in columns)
@@ -266,6 +261,9 @@ def quantity_agreement(
     deviation = float(np.std(measured))
     bias = float(np.mean(off))
     rmse = float(np.sqrt(np.mean(off**2)))
+    percent, std_percent = (
+        100.0 * size / abs(mean) if mean else math.inf for size in (rmse, deviation)
+    )
     error = mean_error(off, model_error, sizes)
     seen = SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE
     return QuantityAgreement(
@@ -281,8 +279,8 @@ def quantity_agreement(
         bias_error=error,
         model_error=model_error,
         agrees=within_error(bias, error, off.size, seen),
-        percent=100.0 * rmse / abs(mean) if mean else float("inf"),
-        std_percent=100.0 * deviation / abs(mean) if mean else float("inf"),
+        percent=percent,
+        std_percent=std_percent,
         explains=rmse < deviation,
     )
 

@@ -9,10 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from cyclemap.arrays import Array, Place
+from cyclemap.arrays import Array, Place, along_way
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
-from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
+from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, nearest_on_polyline
 from cyclemap.evidence.pushes.recordings import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
 
@@ -100,14 +100,14 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: Array) -> tuple[float, A
     (nearest,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
     offset = rod - nearest
     distance = float(np.hypot(*offset))
-    inside = bool(outline.contains(rod))
-    outward = -offset if inside else offset
+    sign = -1.0 if outline.contains(rod) else 1.0
+    outward = sign * offset
     if distance < 1e-12:
         # On the outline itself the edge's own normal points out.
         along = corners[edge + 1] - corners[edge]
         outward = np.array([along[1], -along[0]])
     outward = outward / np.hypot(*outward)
-    gap = (-distance if inside else distance) - model.pusher.radius
+    gap = sign * distance - model.pusher.radius
     return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
 
 
@@ -318,18 +318,16 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], way)
     bends = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
-    predicted = interpolated(travel, at, poses)
-    tip = interpolated(travel, bends, corners) + shift
+    predicted = along_way(travel, at, poses)
+    tip = along_way(travel, bends, corners) + shift
     onsets = []
+    apart = []
     for course in (measured, predicted):
         # Travel at which the object begins to move; NaN: never.
         off = course - course[0]
         far = np.hypot(*off[:, :2].T) + model.unit * np.abs(off[:, 2]) > _MOVED
         onsets.append(float(travel[far.argmax()]) if far.any() else math.nan)
-    apart = [
-        rod_gap(model, Pose(*poses[-1].tolist()), tip[-1])[0] > CONTACT_SLACK
-        for poses in (measured, predicted)
-    ]
+        apart.append(rod_gap(model, Pose(*course[-1].tolist()), tip[-1])[0] > CONTACT_SLACK)
     return Replay(
         time=record.object_pose[:, 0],
         measured=measured,

@@ -353,12 +353,11 @@ class _Replayer:
         record = _record(push, (0.0, 0.0) if material.field is None else DATASET_TARGET)
         replay = replay_push(record, model, frame_shift(material, name))
         beside = replay_push(record, plain)
-        isotropic = {
-            "isotropic_error": float(beside.error[-1]),
-            "isotropic_turn_error": float(beside.turn_error[-1]),
-        }
-        facts = {column: push[column] for column in (*_FACTS, "path")}
-        return {**facts, "object": name, **replay.summary(), **isotropic}, replay
+        row = {column: push[column] for column in (*_FACTS, "path")} | replay.summary()
+        row["object"] = name
+        row["isotropic_error"] = float(beside.error[-1])
+        row["isotropic_turn_error"] = float(beside.turn_error[-1])
+        return row, replay
 
 
 def _record(push: Row, origin: Place) -> PushRecord:

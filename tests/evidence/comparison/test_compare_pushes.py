@@ -14,7 +14,6 @@ from cyclemap.evidence import compare
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import (
     mean_error,
-    pooled_quantities,
     push_agreements,
     within_error,
 )
@@ -77,82 +76,67 @@ def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(
     for one, shift in zip(found.quantities, off, strict=True):
         assert one.bias == pytest.approx(-shift, abs=1e-9) and one.spread < 1e-9
         assert one.rmse == pytest.approx(abs(shift), rel=1e-6, abs=1e-9)
-        assert one.percent == pytest.approx(
-            100 * abs(shift) / abs(one.measured_mean), rel=1e-6, abs=1e-5
-        )
+        percent = 100 * abs(shift) / abs(one.measured_mean)
+        assert one.percent == pytest.approx(percent, rel=1e-6, abs=1e-5)
         assert one.predicted_std == pytest.approx(one.measured_std)
-        assert shift or (one.explains and one.agrees is True), (
-            "what is off by rounding alone is not off"
-        )
+        # What is off by rounding alone is not off.
+        assert shift or (one.explains and one.agrees is True)
 
 
 def test_place_direction_length_and_object_of_a_push_are_the_datas(loop, written) -> None:
     other = replace(loop, push=replace(loop.push, fraction=0.6, angle=0.2, distance=0.05))
     hexagon = loop_from_settings({"shape": "hex"}, loop)
     rows = own_pushes(loop, THETA) + own_pushes(other, THETA[:5], s=0.6, t=0.2, push_mm=50)
-    rows += own_pushes(hexagon, THETA[:4], shape="hex") + own_pushes(
-        loop, THETA[:3], shape="teapot"
-    )
+    rows += own_pushes(hexagon, THETA[:4], shape="hex")
+    rows += own_pushes(loop, THETA[:3], shape="teapot")
     for given in (loop, other, hexagon):
         data, found = agreements(written(rows), given)
-        assert sorted((one.count, round(one.length, 9)) for one in found) == [
-            (4, 0.15),
-            (5, 0.05),
-            (12, 0.15),
-        ]
-        assert (
-            sum(n for why, n in data.left_out.items() if why.startswith("its outline is not told"))
-            == 3
-        )
+        sets = sorted((one.count, round(one.length, 9)) for one in found)
+        assert sets == [(4, 0.15), (5, 0.05), (12, 0.15)]
+        untold = [n for why, n in data.left_out.items() if why.startswith("its outline is not")]
+        assert untold == [3]
         assert max(one.rmse for each in found for one in each.quantities) < 1e-9
 
 
 def test_the_cycle_map_is_that_of_the_cycles_in_the_data(loop, written) -> None:
-    """Cycles of 50 mm pushes at another place, beside MIT's loop of 150 mm: the map is the one that
-    made them.
-    """
-    other, theta = (
-        replace(loop, push=replace(loop.push, fraction=0.6, distance=0.05)),
-        0.3 * np.arange(8),
-    )
+    """Cycles of 50 mm pushes at another place, beside MIT's loop of 150 mm."""
+    other = replace(loop, push=replace(loop.push, fraction=0.6, distance=0.05))
+    theta = 0.3 * np.arange(8)
     push = collection_data(written(own_pushes(other, theta, s=0.6, push_mm=50)), loop).loop.push
     assert (push.fraction, push.distance) == (0.6, pytest.approx(0.05))
     assert collection_data(written(own_pushes(loop, theta)), loop).loop is loop
 
 
-def test_pushes_on_another_surface_than_the_material_are_left_out_by_name(loop, written) -> None:
-    table = written(own_pushes(loop, THETA) + own_pushes(loop, THETA[:5], surface="abs"))
+@pytest.fixture
+def two_surfaces(loop, written):
+    return written(own_pushes(loop, THETA) + own_pushes(loop, THETA[:5], surface="abs"))
+
+
+def test_pushes_on_another_surface_than_the_material_are_left_out_by_name(
+    loop, two_surfaces
+) -> None:
     for name in ("plywood", "plywood-identified", "plywood (changed)"):
-        data = collection_data(table, renamed(loop, name))
+        data = collection_data(two_surfaces, renamed(loop, name))
         assert [(one.theta.size, one.facts["surface"]) for one in data.pushes] == [(12, "plywood")]
         assert data.left_out["on abs, not plywood"] == 5
     words = r"nothing is left of 17 .*5: on abs, not delrin; 12: on plywood, not delrin"
-    refused(collection_data, table, CollectionLoop.mit("delrin"), told=words)
+    refused(collection_data, two_surfaces, CollectionLoop.mit("delrin"), told=words)
 
 
-def test_a_material_of_no_surface_is_set_beside_one_surface_at_a_time(loop, written) -> None:
-    table, mine = (
-        written(own_pushes(loop, THETA) + own_pushes(loop, THETA[:5], surface="abs")),
-        renamed(loop, "mine"),
-    )
-    refused(
-        collection_data,
-        table,
-        mine,
-        told=r"several surfaces \(abs, plywood\), .* 'mine' names none of them",
-    )
-    assert [
-        one.theta.size for one in collection_data(table, mine, select={"surface": "abs"}).pushes
-    ] == [5]
+def test_a_material_of_no_surface_is_set_beside_one_surface_at_a_time(loop, two_surfaces) -> None:
+    mine = renamed(loop, "mine")
+    told = r"several surfaces \(abs, plywood\), .* 'mine' names none of them"
+    refused(collection_data, two_surfaces, mine, told=told)
+    (of_abs,) = collection_data(two_surfaces, mine, select={"surface": "abs"}).pushes
+    assert of_abs.theta.size == 5
     told = "no such surface: delrin; the data have abs, plywood"
-    refused(collection_data, table, mine, select={"surface": "delrin"}, told=told)
+    refused(collection_data, two_surfaces, mine, select={"surface": "delrin"}, told=told)
 
 
 def test_the_error_of_a_mean_holds_what_the_materials_posterior_leaves_open(loop, written) -> None:
     mu_a = loop.material.friction.mu_a
-    posterior = MaterialPosterior(
-        ("mu_a",), tuple((mu_a * ratio,) for ratio in np.linspace(0.9, 1.1, 5))
-    )
+    rows = tuple((mu_a * ratio,) for ratio in np.linspace(0.9, 1.1, 5))
+    posterior = MaterialPosterior(("mu_a",), rows)
     known = renamed(loop, "plywood", posterior=posterior)
     _, (found,) = agreements(written(own_pushes(loop, THETA)), known)
     means = []
@@ -162,19 +146,12 @@ def test_the_error_of_a_mean_holds_what_the_materials_posterior_leaves_open(loop
         means.append(np.mean([[run.turn, *run.displacement] for run in runs], axis=0))
     for one, error in zip(found.quantities, np.std(means, axis=0, ddof=1), strict=True):
         assert (one.model_error, one.bias_error) == pytest.approx((error, error), rel=1e-3)
-    assert pooled_quantities([found])[0].model_error == pytest.approx(
-        found.quantities[0].model_error
-    )
 
 
 def test_a_length_that_the_data_do_not_tell_must_be_said(loop, written) -> None:
     table = written(own_pushes(loop, THETA, push_mm=""))
-    refused(
-        collection_data,
-        table,
-        loop,
-        told="12: the data do not tell how far the rod moved: add a column push_mm",
-    )
+    told = "12: the data do not tell how far the rod moved: add a column push_mm"
+    refused(collection_data, table, loop, told=told)
     _, (found,) = agreements(table, loop, push_length=0.15)
     assert found.quantities[0].rmse < 1e-9
 
@@ -187,9 +164,7 @@ def test_the_error_of_a_mean_allows_for_correlation() -> None:
 
 
 def test_what_the_pushes_of_a_set_have_in_common_counts_once_a_set() -> None:
-    """12 sets of 200 pushes, each off by a millimetre of its own: the mean of all is off by as much
-    as that of 12 numbers; neighbours alone tell of little more than half of it.
-    """
+    """12 sets of 200, each off by a number of its own: the mean is off as that of 12 numbers."""
     off, said = [], []
     for seed in range(200):
         random = np.random.default_rng(seed)
@@ -201,30 +176,19 @@ def test_what_the_pushes_of_a_set_have_in_common_counts_once_a_set() -> None:
 
 
 def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_correlated_the_values() -> None:
-    """Seeds 0 to 599; the error's own uncertainty counts: with 1.96 errors it would be refused in
-    one case in eight.
-    """
-    for count, correlation in ((20, 0.0), (40, 0.4)):
-        random, refused_ones = np.random.default_rng(count), 0
-        for _ in range(600):
-            values = random.standard_normal(count + 50)
-            for place in range(1, values.size):
-                values[place] = (
-                    correlation * values[place - 1] + np.sqrt(1 - correlation**2) * values[place]
-                )
-            values = values[50:]
-            refused_ones += not within_error(float(values.mean()), mean_error(values), count)
-        assert 0.03 < refused_ones / 600 < 0.085
+    """The error's own uncertainty counts: with 1.96 errors it would be one case in eight."""
+    for count, rho in ((20, 0.0), (40, 0.4)):
+        values = np.random.default_rng(count).standard_normal((count + 50, 600))
+        for place in range(1, len(values)):
+            values[place] = rho * values[place - 1] + np.sqrt(1 - rho**2) * values[place]
+        rows = values[50:].T
+        kept = sum(within_error(float(row.mean()), mean_error(row), count) for row in rows)
+        assert 0.03 < 1.0 - kept / 600 < 0.085
 
 
 def test_data_that_leave_nothing_are_refused(loop, written) -> None:
     table = written(own_pushes(loop, THETA[:4], shape="pot"))
-    cases = [
-        (table, {}, r"nothing is left of 4 pushes to compare with \(4: its outline is not told")
-    ]
-    cases += [
-        ([1.0, 2.0], {}, "data is list: give a PushTable"),
-        (table, {"first": -1}, "first must be at least 0"),
-    ]
-    for data, options, words in cases:
-        refused(collection_data, data, loop, told=words, **options)
+    told = r"nothing is left of 4 pushes to compare with \(4: its outline is not told"
+    refused(collection_data, table, loop, told=told)
+    refused(collection_data, [1.0, 2.0], loop, told="data is list: give a PushTable")
+    refused(collection_data, table, loop, first=-1, told="first must be at least 0")

@@ -42,25 +42,21 @@ def elapsed(rows):
     return rows[:, 0] - QUIET.start
 
 
+def whole_way(record):
+    """The tip's way (2,) from its first recorded place to its last."""
+    return record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3]
+
+
 def in_object_frame(record):
-    """The tip's places (n, 2) in the object's frame, at the object's times from the tip's first
-    on."""
-    time = record.object_pose[3:-3, 0]
-    tip = np.stack(
-        [np.interp(time, record.tip_pose[:, 0], record.tip_pose[:, k]) for k in (1, 2)], axis=-1
-    )
-    offset, angle = tip - record.object_pose[3:-3, 1:3], record.object_pose[3:-3, 3]
-    c, s = np.cos(angle), np.sin(angle)
-    return time, np.stack(
-        [c * offset[:, 0] + s * offset[:, 1], c * offset[:, 1] - s * offset[:, 0]], axis=-1
-    )
+    """The tip's places (n,) in the object's frame, at the object's times from the tip's first on."""
+    time, x, y, angle = record.object_pose[3:-3].T
+    tip_x, tip_y = (np.interp(time, record.tip_pose[:, 0], record.tip_pose[:, k]) for k in (1, 2))
+    return time, (tip_x - x + 1j * (tip_y - y)) * np.exp(-1j * angle)
 
 
-@pytest.mark.parametrize("theta", [0.0, 1.7, 3.1, -2.9, 7.5])
+@pytest.mark.parametrize("theta", [0.0, -2.9, 7.5])
 def test_start_end_turn_and_displacement_are_those_of_the_cycle(theta) -> None:
-    """Two integrations with other steps: they agree to their accuracy. The ring lies on the arena's
-    target.
-    """
+    """Two integrations with other steps; the ring lies on the arena's target."""
     cycle = LOOP.cycle(theta)
     _, record = recorded(theta)
     assert record.displacement == pytest.approx(cycle.push_displacement, abs=1e-8)
@@ -73,7 +69,7 @@ def test_start_end_turn_and_displacement_are_those_of_the_cycle(theta) -> None:
     assert np.all(np.abs(record.object_pose[:, 3]) <= math.pi)
 
 
-@pytest.mark.parametrize("theta", [0.0, 2.0, 4.0])
+@pytest.mark.parametrize("theta", [0.0, 4.0])
 def test_between_the_steps_the_record_is_that_of_a_run_ten_times_finer(theta) -> None:
     _, coarse = recorded(theta)
     _, fine = recorded(theta, steps=600)
@@ -83,37 +79,31 @@ def test_between_the_steps_the_record_is_that_of_a_run_ten_times_finer(theta) ->
     assert np.abs(coarse.ft_wrench[:, 1:3] - fine.ft_wrench[:, 1:3]).max() < 1e-3
 
 
-def test_the_rod_comes_over_one_millimetre_and_then_touches_all_the_time() -> None:
-    for theta in (0.0, 2.0, 4.0):
-        push, record = recorded(theta, SHORT)
-        assert push.ended == "distance"
-        time, place = in_object_frame(record)
-        distance = np.hypot(*np.maximum(np.abs(place) - 0.045, 0.0).T)
-        since = time - QUIET.start
-        # Across the rod's start and stop its way between two samples is not straight.
-        touching = (since >= TOUCH) & (np.abs(since - TOUCH - 6.0) > 0.004)
-        assert np.count_nonzero(touching) > 1500 and distance[touching] == pytest.approx(
-            RADIUS, abs=2e-6
-        )
-        assert distance[since <= 0.249] == pytest.approx(RADIUS + 0.001, abs=1e-9)
+@pytest.mark.parametrize("theta", [0.0, 4.0])
+def test_the_rod_comes_over_one_millimetre_and_then_touches_all_the_time(theta) -> None:
+    push, record = recorded(theta, SHORT)
+    assert push.ended == "distance"
+    time, place = in_object_frame(record)
+    apart = (np.maximum(np.abs(part) - 0.045, 0.0) for part in (place.real, place.imag))
+    distance, since = np.hypot(*apart), time - QUIET.start
+    # Across the rod's start and stop its way between two samples is not straight.
+    touching = (since >= TOUCH) & (np.abs(since - TOUCH - 6.0) > 0.004)
+    assert np.count_nonzero(touching) > 1500
+    assert distance[touching] == pytest.approx(RADIUS, abs=2e-6)
+    assert distance[since <= 0.249] == pytest.approx(RADIUS + 0.001, abs=1e-9)
 
 
 def test_clocks_run_at_250_hz_and_begin_one_after_the_other() -> None:
     _, record = recorded(0.0)
     seconds = 0.5 + 0.151 / 0.02
-    for rows, lag in (
-        (record.object_pose, 0.0),
-        (record.tip_pose, 0.009),
-        (record.ft_wrench, 0.011),
-    ):
+    series = (record.object_pose, record.tip_pose, record.ft_wrench)
+    for rows, lag in zip(series, (0.0, 0.009, 0.011), strict=True):
         assert elapsed(rows)[0] == pytest.approx(lag, abs=1e-6)
         assert np.diff(rows[:, 0]) == pytest.approx(0.004, abs=1e-6)
         assert seconds <= elapsed(rows)[-1] <= seconds + 0.016
     still = (elapsed(record.object_pose) < TOUCH) | (elapsed(record.object_pose) > TOUCH + 7.5)
-    assert (
-        np.count_nonzero(still) > 130
-        and len({tuple(row) for row in record.object_pose[still, 1:].tolist()}) == 2
-    )
+    resting = record.object_pose[still, 1:]
+    assert len(resting) > 130 and len(np.unique(resting, axis=0)) == 2
 
 
 @pytest.mark.parametrize("speed", [0.005, 0.1])
@@ -122,60 +112,42 @@ def test_the_rod_goes_at_the_speed_asked_for_and_the_way_is_the_same(speed) -> N
     step = np.hypot(*np.diff(record.tip_pose[:, 1:3], axis=0).T) / np.diff(record.tip_pose[:, 0])
     moving = step > 0.0
     assert np.count_nonzero(moving) > 370 and step[moving][1:-1] == pytest.approx(speed, rel=1e-6)
-    assert np.hypot(*(record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3])) == pytest.approx(
-        0.151, abs=1e-12
-    )
+    assert np.hypot(*whole_way(record)) == pytest.approx(0.151, abs=1e-12)
     assert record.turn == recorded(1.0)[1].turn
 
 
-@pytest.mark.parametrize("friction", [0.05, 0.15, 0.3])
+@pytest.mark.parametrize("friction", [0.05, 0.3])
 def test_forces_read_back_give_the_pushers_friction_where_the_contact_slides(friction) -> None:
-    """A slippery rod slides most of the way: the median ratio is its friction. It presses on the
-    object.
-    """
+    """A slippery rod slides most of the way: the median ratio is its friction."""
     loop = replace(LOOP, pusher=Pusher(friction=friction), push=SidePush(fraction=0.7, angle=0.9))
     push, record = recorded(0.3, loop)
     slides = np.char.startswith(push.trajectory.mode.astype(str), "slide")
     assert slides.mean() > 0.6
-    assert contact_force_ratio(record, loop.slider.outline_points()) == pytest.approx(
-        friction, rel=1e-5
-    )
+    ratio = contact_force_ratio(record, loop.slider.outline_points())
+    assert ratio == pytest.approx(friction, rel=1e-5)
 
 
-def test_the_wrench_is_nothing_before_touch_is_held_at_rest_and_turns_the_rod_by_its_friction() -> (
-    None
-):
+def test_the_wrench_is_nothing_before_touch_held_at_rest_and_within_the_cone() -> None:
     _, record = recorded(0.0, SHORT)
     time, wrench = elapsed(record.ft_wrench), record.ft_wrench[:, 1:]
-    assert (
-        np.all(wrench[time < TOUCH] == 0.0)
-        and np.hypot(*wrench[time > TOUCH + 0.01, :2].T).min() > 0.5
-    )
-    assert np.all(wrench[time >= TOUCH + 6.0] == wrench[-1])
-    # The contact's force has the lever of one radius: torque² = radius² (force² - normal²), so
-    # within the cone, to as much as tells where the rod begins to slide.
     force = np.hypot(*wrench[:, :2].T)
+    assert np.all(wrench[time < TOUCH] == 0.0) and force[time > TOUCH + 0.01].min() > 0.5
+    assert np.all(wrench[time >= TOUCH + 6.0] == wrench[-1])
+    # The contact's force has the lever of one radius: torque² = radius² (force² - normal²).
     bound = RADIUS * force * math.sin(math.atan(0.15))
     assert np.all(np.abs(wrench[:, 2]) <= bound * (1.0 + 5e-6))
     assert np.count_nonzero(np.abs(wrench[:, 2]) > 0.999 * bound) > 300
 
 
 def test_a_disc_pushed_through_its_centre_pushes_back_with_friction_times_weight() -> None:
-    loop = CollectionLoop(
-        Slider.mit("ellip1"),
-        replace(LOOP.material, friction=EllipseFriction.isotropic(0.25)),
-        push=SidePush(0, 0.3),
-    )
+    even = replace(LOOP.material, friction=EllipseFriction.isotropic(0.25))
+    loop = CollectionLoop(Slider.mit("ellip1"), even, push=SidePush(0, 0.3))
     _, record = recorded(0.4, loop)
-    moving = elapsed(record.ft_wrench) > TOUCH
-    assert np.count_nonzero(moving) > 1900
-    assert np.hypot(*record.ft_wrench[moving, 1:3].T) == pytest.approx(
-        0.25 * 0.8937 * 9.80665, rel=1e-6
-    )
+    force = record.ft_wrench[elapsed(record.ft_wrench) > TOUCH, 1:3]
+    assert len(force) > 1900
+    assert np.hypot(*force.T) == pytest.approx(0.25 * 0.8937 * 9.80665, rel=1e-6)
     assert record.turn == pytest.approx(0.0, abs=1e-8)
-    # The object pushes back: against the rod's way.
-    way = record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3]
-    assert np.all(record.ft_wrench[moving, 1:3] @ way < 0.0)
+    assert np.all(force @ whole_way(record) < 0.0)
 
 
 def test_a_rod_that_loses_the_object_goes_on_alone_without_force() -> None:
@@ -183,14 +155,11 @@ def test_a_rod_that_loses_the_object_goes_on_alone_without_force() -> None:
     push, record = recorded(0.5, loop)
     assert push.ended == "left" and push.travel < 0.12
     left = TOUCH + push.travel / 0.02
-    after = elapsed(record.ft_wrench) > left
-    assert np.count_nonzero(after) > 300 and np.all(record.ft_wrench[after, 1:] == 0.0)
-    assert np.all(
-        record.object_pose[elapsed(record.object_pose) > left, 1:] == record.object_pose[-1, 1:]
+    wrench, pose = (
+        rows[elapsed(rows) > left, 1:] for rows in (record.ft_wrench, record.object_pose)
     )
-    assert np.hypot(*(record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3])) == pytest.approx(
-        0.151, abs=1e-12
-    )
+    assert len(wrench) > 300 and np.all(wrench == 0.0) and np.all(pose == pose[-1])
+    assert np.hypot(*whole_way(record)) == pytest.approx(0.151, abs=1e-12)
 
 
 def test_measurement_noise_has_the_deviations_asked_for_and_leaves_the_tip_alone() -> None:
@@ -206,11 +175,8 @@ def test_measurement_noise_has_the_deviations_asked_for_and_leaves_the_tip_alone
     )
     of_wrenches = [0.05, 0.05, 0.05 * RADIUS]
     scanned = scan.ft_wrench[:, 1:] - still.ft_wrench[:, 1:]
-    for error, deviation in (
-        (pose, [2e-4, 2e-4, 3e-3]),
-        (wrench, of_wrenches),
-        (scanned, of_wrenches),
-    ):
+    asked_of = ((pose, [2e-4, 2e-4, 3e-3]), (wrench, of_wrenches), (scanned, of_wrenches))
+    for error, deviation in asked_of:
         assert len(error) > 1600
         # Standard errors from 1600 draws: 1.8 % of a deviation, 2.5 % of it for a mean.
         assert error.std(axis=0) == pytest.approx(deviation, rel=0.07)
@@ -232,35 +198,23 @@ def test_a_rod_that_does_not_move_or_a_stroke_shorter_than_the_push_is_refused()
     refused(record_push, push, 0.1, QUIET, np.random.default_rng(0), told=told)
 
 
-def test_scans_are_there_twice_every_five_degrees_with_the_point_laws_forces_times_the_weight(
-    tmp_path,
-) -> None:
+def test_scans_are_twice_every_five_degrees_with_the_point_laws_forces(tmp_path) -> None:
     made = simulate_collection(LOOP, tmp_path / "made", 1, scans=True)
     table = load_pushes(made.folder)
     assert not table.unreadable and len(table.table) == 1
     scans = table.scans
     assert made.scans == len(scans) == 144
     degrees = np.degrees(scans["direction"]).round(9)
-    assert sorted(set(degrees)) == list(range(0, 360, 5))
-    assert (
-        scans.groupby(degrees.tolist())["repetition"]
-        .agg(list)
-        .map(lambda pair: pair == [0.0, 1.0])
-        .all()
-    )
-    assert (
-        set(scans["surface"]) == {"plywood"}
-        and set(scans["object"]) == {"rect1"}
-        and set(scans["speed"]) == {0.02}
-    )
+    assert sorted(set(zip(degrees, scans["repetition"], strict=True))) == [
+        (angle, repetition) for angle in range(0, 360, 5) for repetition in (0.0, 1.0)
+    ]
+    facts = {tuple(row) for row in scans[["surface", "object", "speed"]].to_numpy().tolist()}
+    assert facts == {("plywood", "rect1", 0.02)}
     way = np.stack([np.cos(scans["direction"]), np.sin(scans["direction"])], axis=-1)
     traction = FRICTION.traction(way)
-    along, across = (
-        np.sum(traction * way, axis=1),
-        way[:, 0] * traction[:, 1] - way[:, 1] * traction[:, 0],
-    )
-    # The tip's way is read off times that a double holds to 0.2 microseconds: a direction is good
-    # to 1e-7.
+    along = np.sum(traction * way, axis=1)
+    across = way[:, 0] * traction[:, 1] - way[:, 1] * traction[:, 0]
+    # Recorded times hold 0.2 microseconds: a direction is good to 1e-7.
     assert scans["force_along"].to_numpy() == pytest.approx(WEIGHT * along, rel=1e-6)
     assert scans["ratio"].to_numpy() == pytest.approx(across / along, abs=1e-6)
 

@@ -20,28 +20,45 @@ from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import (
     FILE_NAME,
     TRUTH_FILE,
+    CollectionFolder,
     CollectionPlan,
     simulate_collection,
 )
-from cyclemap.mechanics import DragBack, EllipseFriction, Material, Pusher, SidePush, load_material
+from cyclemap.mechanics import DragBack, EllipseFriction, Material, Pusher, SidePush
 
 LOOP = CollectionLoop.mit("plywood", accuracy=1e-6)
 WORN = Material("worn", EllipseFriction(0.2, 0.15, m0=0.02, n0=-0.01, phi=0.4))
 SILENT = RecordingNoise(turn=0.0)
 NOISY = RecordingNoise(position=1e-4, angle=1e-3, force=0.02)
-CYCLES = 8
+CYCLES = 5
+BRIEF = CollectionLoop.mit(accuracy=1e-6, push=SidePush(distance=0.01))
+# Loops whose push and reset change from cycle to cycle, and turns by a gripper.
+LOOPS = (
+    BRIEF,
+    replace(BRIEF, push=SidePush(2, 0.4, 0.1, 0.02)),
+    replace(BRIEF, push=SidePush(1, distance=0.015), reset=DragBack(((0.02, 0.0),))),
+)
+TURNS = (0.0, 0.5, -1.0)
+OTHER_ROD = (LOOP, replace(LOOP, pusher=Pusher(0.01)), LOOP, LOOP, LOOP)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_file()
-    }
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def truth(folder: Path) -> np.ndarray:
     return np.loadtxt(folder / TRUTH_FILE)[:, 1]
+
+
+def simulate(folder, **changes):
+    given = {"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes
+    return simulate_collection(LOOP, folder, **given)
+
+
+def briefly(folder, **given):
+    """Three short cycles without noise."""
+    return simulate_collection(BRIEF, folder, 3, start=2.0, noise=SILENT, suffix=".json", **given)
 
 
 @pytest.fixture(scope="module")
@@ -53,44 +70,31 @@ def undisturbed(tmp_path_factory) -> dict[str, bytes]:
     return contents(folder)
 
 
-def simulate(folder, **changes):
-    return simulate_collection(
-        LOOP, folder, **{"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes
-    )
-
-
 def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
     loop = replace(LOOP, material=replace(LOOP.material, name="plywood (changed)"))
     made = simulate_collection(loop, tmp_path, 2, suffix=".json", speed=0.05)
     name = "motion_surface=plywood_changed_shape=rect1_a=0_v=50_i=0.000_s=0.700_t=0.000_rep={:04d}.json"
-    folder = tmp_path / "plywood_changed" / "rect1" / "normal"
-    assert sorted(path.name for path in folder.iterdir()) == [name.format(0), name.format(1)]
-    assert made.bytes == sum(path.stat().st_size for path in folder.iterdir())
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        FILE_NAME,
-        "plywood_changed",
-        TRUTH_FILE,
-    ]
+    files = sorted((tmp_path / "plywood_changed" / "rect1" / "normal").iterdir())
+    assert [path.name for path in files] == [name.format(0), name.format(1)]
+    assert made.bytes == sum(path.stat().st_size for path in files)
+    beside = sorted(path.name for path in tmp_path.iterdir())
+    assert beside == [FILE_NAME, "plywood_changed", TRUTH_FILE]
     pushes = load_pushes(tmp_path)
     assert pushes.unreadable == () and pushes.table["speed"].tolist() == [0.05, 0.05]
 
 
 @pytest.mark.slow
 def test_its_motions_are_read_as_they_were_made(tmp_path) -> None:
-    """On a floor that moves the object otherwise than isotropic friction: pushes that are alike
-    are off alike, which tells no other point of the object.
-    """
+    """On a floor that moves the object otherwise than isotropic friction does."""
     loop = CollectionLoop.mit("abs", accuracy=1e-6)
-    made = simulate_collection(loop, tmp_path, CYCLES, noise=SILENT, suffix=".json")
+    made = simulate_collection(loop, tmp_path, 8, noise=SILENT, suffix=".json")
     (words,) = check_pushes(load_pushes(made.folder), loop)
     assert words.startswith("read with axes right-handed, angles counter-clockwise")
 
 
 def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
-    """θ_{n+1} - F(θ_n) is normal noise: mean, deviation and correlation within three standard
-    errors.
-    """
-    sigma, cycles = 0.02, 60
+    """θ_{n+1} - F(θ_n) is normal: mean, deviation and correlation within three standard errors."""
+    sigma, cycles = 0.02, 40
     made = simulate_collection(LOOP, tmp_path, cycles, noise=RecordingNoise(turn=sigma), seed=1)
     theta = truth(made.folder)
     error = (theta[1:] - LOOP.next_theta(theta[:-1])) / sigma
@@ -102,54 +106,45 @@ def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
 
 
 def test_scatter_may_depend_on_the_orientation_and_on_the_cycle_before() -> None:
-    """Its size is that of the noise at θ0, neighbours correlate as asked, and the first of many are
-    those of few.
-    """
+    """The first kicks of many are those of few."""
     noise = cm.maps.LocalNoise((math.log(0.02), 0.5, 0.0), 0.6)
-    plan = CollectionPlan(LOOP, 4000, cycle_noise=noise, seed=5)
-    kicks = np.array(
-        [
-            plan.kick(cycle, theta)
-            for cycle, theta in enumerate(np.linspace(0.0, 60.0, 4000).tolist())
-        ]
-    )
-    unit = kicks / noise.sigma(np.linspace(0.0, 60.0, 4000))
+    plan, few = (CollectionPlan(LOOP, n, cycle_noise=noise, seed=5) for n in (3000, 3))
+    theta = np.linspace(0.0, 60.0, 3000)
+    kicks = [plan.kick(cycle, angle) for cycle, angle in enumerate(theta.tolist())]
+    unit = kicks / noise.sigma(theta)
     assert np.std(unit) == pytest.approx(1.0, abs=0.05)
     assert np.mean(unit[1:] * unit[:-1]) == pytest.approx(0.6, abs=0.05)
-    few = CollectionPlan(LOOP, 3, cycle_noise=noise, seed=5)
-    assert [few.kick(cycle, 0.3) for cycle in range(3)] == [
-        plan.kick(cycle, 0.3) for cycle in range(3)
-    ]
+    assert [few.kick(k, 0.3) for k in range(3)] == [plan.kick(k, 0.3) for k in range(3)]
 
 
-@pytest.mark.slow
 def test_noise_of_the_instruments_does_not_touch_the_path_and_another_seed_does(tmp_path) -> None:
     asked = {"noisy": {}, "clean": {"noise": RecordingNoise()}, "other": {"seed": 4}}
     noisy, clean, other = (
-        truth(simulate(tmp_path / name, **changes).folder) for name, changes in asked.items()
+        truth(simulate(tmp_path / name, cycles=2, **changes).folder)
+        for name, changes in asked.items()
     )
     assert np.array_equal(noisy, clean) and np.abs(noisy - other)[1:].min() > 1e-3
 
 
-def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
-    made = simulate_collection(LOOP, tmp_path, 5, noise=SILENT, wear_to=WORN)
-    table, theta = load_pushes(made.folder).table, truth(made.folder)
-    worn = replace(LOOP, material=WORN)
-    for row, loop in ((0, LOOP), (4, worn)):
-        assert table["dtheta"].iloc[row] == pytest.approx(
-            loop.cycle(theta[row]).push_turn, abs=1e-5
-        )
-        assert theta[row + 1] == pytest.approx(loop.cycle(theta[row]).theta_next, abs=1e-5)
-    for row in (1, 2, 3):
-        for loop in (LOOP, worn):
-            assert abs(table["dtheta"].iloc[row] - loop.cycle(theta[row]).push_turn) > 1e-4
-    assert (
-        CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
-    )
+@pytest.mark.parametrize("loops", [(), LOOPS])
+def test_wear_goes_from_the_one_surface_to_the_other(tmp_path, loops) -> None:
+    made = briefly(tmp_path, wear_to=WORN, cycle_loops=loops)
+    turned = load_pushes(made.folder).table.sort_values("repetition")["dtheta"].to_numpy()
+    theta = truth(made.folder)
+    for row, loop in enumerate(loops or (BRIEF,) * 3):
+        fresh = loop.cycle(theta[row])
+        worn = replace(loop, material=WORN).cycle(theta[row])
+        if row == 1:
+            assert min(abs(turned[1] - cycle.push_turn) for cycle in (fresh, worn)) > 1e-6
+            continue
+        cycle = fresh if row == 0 else worn
+        assert turned[row] == pytest.approx(cycle.push_turn, abs=1e-6)
+        assert theta[row + 1] == pytest.approx(cycle.theta_next, abs=1e-5)
+    alone = CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0)
+    assert alone.material.friction == LOOP.material.friction
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("calls", range(1, 2 * CYCLES, 3))
+@pytest.mark.parametrize("calls", [1, 4, 9])
 def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(
     tmp_path, monkeypatch, undisturbed, calls
 ) -> None:
@@ -166,9 +161,7 @@ def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(
 
     with monkeypatch.context() as patch:
         patch.setattr(module, "write_push_file", stopping(module.write_push_file))
-        patch.setattr(
-            module.CollectionFolder, "append_truth", stopping(module.CollectionFolder.append_truth)
-        )
+        patch.setattr(CollectionFolder, "append_truth", stopping(CollectionFolder.append_truth))
         with pytest.raises(KeyboardInterrupt):
             simulate(tmp_path)
     made = simulate(tmp_path)
@@ -183,9 +176,8 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
     # As a run leaves it that was killed before its first file was whole.
     (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
     told: list[float] = []
-    assert (
-        simulate(tmp_path, progress=told.append).resumed == 0 and contents(tmp_path) == undisturbed
-    )
+    assert simulate(tmp_path, progress=told.append).resumed == 0
+    assert contents(tmp_path) == undisturbed
     assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
     notes = tmp_path / TRUTH_FILE
     for damage, resumed in ((notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
@@ -196,7 +188,7 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"cycles": 9}, "cycles is 8 there and 9 here"),
+        ({"cycles": 9}, "cycles is 5 there and 9 here"),
         ({"seed": 4}, "seed is 3 there and 4 here"),
         ({"start": 0.1}, "start_rad is 0.0 there and 0.1 here"),
         ({"noise": replace(NOISY, turn=0.1)}, "noise_turn_rad is .* there and 0.1 here"),
@@ -205,29 +197,34 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
         ({"wear_to": None}, "wear_to is EllipseFriction.* there and none here"),
         ({"scans": True}, "scans is False there and True here"),
         ({"suffix": ".json"}, "suffix is .h5 there and .json here"),
+        ({"gripper_turns": (0.1,) * 5}, "cycle_by_cycle is None there"),
         (
             {"loop": replace(LOOP, pusher=Pusher(friction=0.2))},
-            "pusher is .*friction=0.15.* there and .*0.2",
+            "pusher is .*0.15.* there and .*0.2",
         ),
-        (
-            {"loop": replace(LOOP, push=SidePush(distance=0.1))},
-            "push is .*distance=0.15.* there and .*0.1",
-        ),
+        ({"loop": replace(LOOP, push=BRIEF.push)}, "push is .*distance=0.15.* there and .*0.01"),
         ({"loop": replace(LOOP, material=WORN)}, "friction is .*0.2545.* there and .*mu_a=0.2,"),
         ({"loop": replace(LOOP, accuracy=1e-7)}, "accuracy is 1e-06 there and 1e-07 here"),
     ],
 )
 def test_other_arguments_in_the_same_folder_are_refused_by_name(tmp_path, changes, message) -> None:
-    folder = tmp_path / "begun"
     plan = CollectionPlan(LOOP, CYCLES, noise=NOISY, wear_to=WORN, seed=3)
-    module.CollectionFolder(folder, plan)
-    before = contents(folder)
-    refused(module.CollectionFolder, folder, replace(plan, **changes), told=message)
-    assert contents(folder) == before and list(before) == [FILE_NAME]
-    module.CollectionFolder(folder, plan)
-    record = folder / FILE_NAME
+    CollectionFolder(tmp_path, plan)
+    before = contents(tmp_path)
+    refused(CollectionFolder, tmp_path, replace(plan, **changes), told=message)
+    assert contents(tmp_path) == before and list(before) == [FILE_NAME]
+
+
+def test_a_folder_of_another_version_or_of_other_cycles_is_refused(tmp_path) -> None:
+    plan = CollectionPlan(BRIEF, 3, cycle_loops=LOOPS)
+    CollectionFolder(tmp_path, plan)
+    CollectionFolder(tmp_path, plan)
+    for other in ({"cycle_loops": LOOPS[::-1]}, {"gripper_turns": TURNS}, {"cycle_loops": ()}):
+        told = "asked for otherwise: cycle_by_cycle"
+        refused(CollectionFolder, tmp_path, replace(plan, **other), told=told)
+    record = tmp_path / FILE_NAME
     record.write_text(record.read_text().replace('version = "', 'version = "0.0.0-'))
-    refused(module.CollectionFolder, folder, plan, told=r"version is 0\.0\.0-")
+    refused(CollectionFolder, tmp_path, plan, told=r"version is 0\.0\.0-")
 
 
 @pytest.mark.parametrize("name", ["thesis.txt", "film.part", "motion_surface=abs_rep=0000.h5"])
@@ -245,6 +242,10 @@ def test_a_folder_with_anything_else_in_it_is_left_alone(tmp_path, name) -> None
         ({"seed": -1}, "seed must be at least 0"),
         ({"speed": 0.0}, "speed of the rod must be positive"),
         ({"suffix": ".csv"}, "suffix is '.csv'"),
+        ({"cycle_loops": LOOPS[:2]}, "cycle_loops has 2 entries for 5 cycles"),
+        ({"gripper_turns": (0.1,)}, "gripper_turns has 1 entries for 5 cycles"),
+        ({"gripper_turns": (0.1, math.nan, 0.2, 0.0, 0.0)}, "gripper turn must be a finite number"),
+        ({"cycle_loops": OTHER_ROD}, "loop of cycle 1 differs in more than push"),
     ],
 )
 def test_bad_arguments_are_refused_before_anything_is_written(tmp_path, changes, message) -> None:
@@ -265,45 +266,42 @@ def altered(path: Path) -> None:
     """One digit of the path, or one byte of a record, is another."""
     content = bytearray(path.read_bytes())
     place = content.rindex(b".") + 3 if path.name == TRUTH_FILE else len(content) // 2
-    content[place] = content[place] ^ 1
+    content[place] ^= 1
     path.write_bytes(content)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b""), altered, Path.unlink])
 @pytest.mark.parametrize(
-    "pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"]
+    ("pattern", "damage", "resumed"),
+    [
+        (TRUTH_FILE, altered, 3),
+        (TRUTH_FILE, Path.unlink, 0),
+        ("motion_*rep=0002.h5", altered, 2),
+        ("motion_*rep=0002.h5", Path.unlink, 2),
+        ("record_*deg=90*rep=000.h5", lambda path: path.write_bytes(b""), 4),
+    ],
 )
-def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, damage) -> None:
-    made = simulate(tmp_path / "made", cycles=5, scans=True)
+def test_what_was_damaged_since_is_made_again_to_the_bit(
+    tmp_path, pattern, damage, resumed
+) -> None:
+    scans = "record" in pattern
+    made = simulate(tmp_path / "made", cycles=4, scans=scans)
     before = contents(made.folder)
     damage(next(made.folder.rglob(pattern)))
     assert contents(made.folder) != before
-    again = simulate(made.folder, cycles=5, scans=True)
-    assert contents(made.folder) == before
-    assert again.resumed == {TRUTH_FILE: 0 if damage is not altered else 4}.get(
-        pattern, 3 if "motion" in pattern else 5
-    )
+    again = simulate(made.folder, cycles=4, scans=scans)
+    assert contents(made.folder) == before and again.resumed == resumed
 
 
 def test_a_second_run_in_the_same_folder_is_refused(tmp_path) -> None:
     folder, tried = tmp_path / "made", []
 
     def meanwhile(fraction: float) -> None:
-        refused(simulate, folder, told="written by another process", kind=CycleMapError)
+        refused(briefly, folder, told="written by another process", kind=CycleMapError)
         tried.append(fraction)
 
-    simulate(folder, progress=meanwhile)
-    assert len(tried) == CYCLES and simulate(folder).resumed == CYCLES
-
-
-BRIEF = CollectionLoop.mit(accuracy=1e-6, push=SidePush(distance=0.01))
-LOOPS = (
-    BRIEF,
-    replace(BRIEF, push=SidePush(2, 0.4, 0.1, 0.02)),
-    replace(BRIEF, push=SidePush(1, distance=0.015), reset=DragBack(((0.02, 0.0),))),
-)
-TURNS = (0.0, 0.5, -1.0)
+    briefly(folder, progress=meanwhile)
+    assert len(tried) == 3 and briefly(folder).resumed == 3
 
 
 @pytest.mark.parametrize("given", [{}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}])
@@ -311,7 +309,7 @@ def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(
     tmp_path, given
 ) -> None:
     """By each loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
-    made = simulate_collection(BRIEF, tmp_path / "made", 3, start=2.0, noise=SILENT, **given)
+    made = briefly(tmp_path / "made", **given)
     pushes, theta = load_pushes(made.folder), [2.0]
     rows = list(pushes.table.sort_values("repetition").itertuples())
     assert pushes.unreadable == () and [row.repetition for row in rows] == [0, 1, 2]
@@ -320,54 +318,10 @@ def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(
         cycle = loop.cycle(theta[-1])
         assert row.side == loop.push.side
         assert math.remainder(row.theta0 - theta[-1], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
-        assert (row.dx, row.dy, row.dtheta) == pytest.approx(
-            (*cycle.push_displacement, cycle.push_turn), abs=1e-5
-        )
+        moved = (*cycle.push_displacement, cycle.push_turn)
+        assert (row.dx, row.dy, row.dtheta) == pytest.approx(moved, abs=1e-5)
         theta.append(cycle.theta_next + turn)
         ahead = theta[-1] - theta[-2] if not given and row.repetition < 2 else math.nan
         assert row.theta_next - row.theta0 == pytest.approx(ahead, abs=1e-5, nan_ok=True)
     assert truth(made.folder) == pytest.approx(theta, abs=2e-5)
     assert made.theta_last == truth(made.folder)[-2]
-
-
-def test_the_surface_wears_under_changing_pushes_too(tmp_path) -> None:
-    worn = {"wear_to": load_material("abs"), "noise": SILENT, "suffix": ".json"}
-    made = simulate_collection(BRIEF, tmp_path / "made", 3, cycle_loops=LOOPS, **worn)
-    fresh = simulate_collection(
-        BRIEF, tmp_path / "fresh", 3, cycle_loops=LOOPS, noise=SILENT, suffix=".json"
-    )
-    assert abs(made.theta_last - fresh.theta_last) > 1e-4
-
-
-def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
-    folder, given = tmp_path / "made", {"noise": SILENT, "suffix": ".json"}
-    simulate_collection(BRIEF, folder, 3, cycle_loops=LOOPS, **given)
-    again = simulate_collection(BRIEF, folder, 3, cycle_loops=LOOPS, **given)
-    assert (again.written, again.resumed) == (0, 3)
-    for other in ({"cycle_loops": LOOPS[::-1]}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}, {}):
-        refused(
-            simulate_collection,
-            BRIEF,
-            folder,
-            3,
-            told="asked for otherwise: cycle_by_cycle",
-            **other,
-            **given,
-        )
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"cycle_loops": LOOPS[:2]}, "cycle_loops has 2 entries for 3 cycles"),
-        ({"gripper_turns": (0.1,)}, "gripper_turns has 1 entries for 3 cycles"),
-        ({"gripper_turns": (0.1, math.nan, 0.2)}, "gripper turn must be a finite number"),
-        (
-            {"cycle_loops": (BRIEF, replace(BRIEF, pusher=Pusher(0.01)), BRIEF)},
-            "loop of cycle 1 differs in more than push",
-        ),
-    ],
-)
-def test_cycles_that_do_not_fit_are_refused(tmp_path, given, said) -> None:
-    refused(simulate_collection, BRIEF, tmp_path / "made", 3, told=said, **given)
-    assert not (tmp_path / "made").exists()
