@@ -358,8 +358,7 @@ def wear_drift(
     wear.
 
     points : ages at which the pace is foretold.
-    runs : paths of the fitted map a measured turn.
-    harmonics : of the fitted map, None to choose them.
+    runs, harmonics : of `beside_measured`.
     """
     loop = CollectionLoop.mit(material=MATERIAL)
     wear = loop.material.wear
@@ -373,13 +372,22 @@ def wear_drift(
     least = np.array([drifting.at(float(age)).turn(CIRCLE).min() for age in cycles])
     computed = WearDrift(cycles, least, turns, ages, np.array(rotation), drifting.max_error)
     file = measured.find(THETA0_FILE)
-    if file is None:
-        return computed
+    return computed if file is None else beside_measured(computed, file, runs, harmonics)
+
+
+def beside_measured(
+    computed: WearDrift, file: Path, runs: int, harmonics: int | None = None
+) -> WearDrift:
+    """Return the computed map with the one fitted to measured θ0 beside it.
+
+    runs : paths of the fitted map a measured turn.
+    harmonics : of the fitted map, None to choose them.
+    """
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
-    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(CIRCLE).min() for n in cycles])
+    least = [fitted.fitted.map_at(float(age)).turn(CIRCLE).min() for age in computed.cycles]
     seen = tuple(_where_seen(fitted, age) for age in AGES)
     pace = None if fitted.forecast is None else fitted.forecast.pace
-    return replace(computed, pace=pace, measured_least=fitted_least, measured_turns=seen)
+    return replace(computed, pace=pace, measured_least=np.array(least), measured_turns=seen)
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:

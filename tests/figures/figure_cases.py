@@ -93,6 +93,11 @@ def small(name: str, measured: MeasuredFolder = NOWHERE) -> Any:
     return load_exhibit(name).compute(measured, **OPTIONS.get(name, {}))
 
 
+def exhibited(name: str) -> Any:
+    """A fixture: the result of the small version of an exhibit, without measured data."""
+    return pytest.fixture(lambda: small(name))
+
+
 def recorded_plywood(factory: pytest.TempPathFactory) -> MeasuredFolder:
     """Recorded pushes on "plywood", as the MIT dataset names them, made by the mechanics without
     noise.

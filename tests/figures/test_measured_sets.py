@@ -22,13 +22,12 @@ def recorded(tmp_path_factory):
 
 
 def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
-    counts = {name: measured_run(recorded, name) for name in ("plywood", "abs", "delrin", "pu")}
-    assert (
-        counts["abs"].pushes.count == RECORDED_ABS
-        and counts["plywood"].pushes.count == RECORDED_PLYWOOD
+    plywood, made_abs, *others = (
+        measured_run(recorded, name) for name in ("plywood", "abs", "delrin", "pu")
     )
-    assert counts["delrin"] is None and counts["pu"] is None
-    assert counts["abs"].unreadable == 0
+    counts = plywood.pushes.count, made_abs.pushes.count
+    assert counts == (RECORDED_PLYWOOD, RECORDED_ABS) and others == [None, None]
+    assert made_abs.unreadable == 0
     pairs = measured_theta0(recorded, "abs")
     assert pairs.path.size == RECORDED_ABS and pairs.theta.size == RECORDED_ABS - 1
     assert measured_theta0(recorded, "pu") is None
