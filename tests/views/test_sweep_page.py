@@ -2,13 +2,7 @@
 
 import numpy as np
 import pytest
-from fake_numbers import (
-    FakeNumbers,
-    fake_plan,
-    fake_sample,
-    fake_values,
-    swept as fake_swept,
-)
+from fake_numbers import FakeNumbers, fake_plan, fake_sample, fake_values, swept as fake_swept
 from refusals import refused
 
 from cyclemap.maps import RotationPlane
@@ -22,12 +16,7 @@ from cyclemap.sweeps import (
 )
 from cyclemap.views.panels.layout import render
 from cyclemap.views.panels.rotation import cell_edges
-from cyclemap.views.sweep_page import (
-    rotation_plane,
-    sweep_page,
-    sweep_sentences,
-    without_specks,
-)
+from cyclemap.views.sweep_page import rotation_plane, sweep_page, sweep_sentences, without_specks
 
 NUMBERS = PortraitNumbers(("rotation", "fixed_points"))
 WIDE = np.s_[3:20, 5:9]
@@ -40,18 +29,13 @@ def outcome(place: float) -> PointOutcome:
         return PointOutcome({}, "no such loop")
     locked = place < 0.5
     rotation = 0.0 if locked else 0.1 * place
-    bounds = {
-        "rotation": rotation,
-        "rotation_lower": rotation,
-        "rotation_upper": rotation + 1e-5 * (not locked),
-    }
-    counts = {"locked_winding": 0.0, "locked_period": float(locked), "fixed_points": 2.0 * locked}
-    lists = (
-        {"fixed_point_theta": (1.0, 2.0 + place), "fixed_point_stable": (1.0, 0.0)}
-        if locked
-        else {}
-    )
-    return PointOutcome({**bounds, **counts, "stable_points": float(locked), **lists})
+    found = {"rotation": rotation, "rotation_lower": rotation}
+    found |= {"rotation_upper": rotation + 1e-5 * (not locked), "locked_winding": 0.0}
+    found |= {"locked_period": float(locked), "stable_points": float(locked)}
+    found |= {"fixed_points": 2.0 * locked}
+    if locked:
+        found |= {"fixed_point_theta": (1.0, 2.0 + place), "fixed_point_stable": (1.0, 0.0)}
+    return PointOutcome(found)
 
 
 @pytest.fixture
@@ -89,59 +73,41 @@ def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
     assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("friction μa", "ring x (mm)")
     mesh = stable.collections[0]
     assert np.ma.filled(mesh.get_array(), -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
-    told = (
-        "plywood: friction μa × ring x",
-        "9 points over friction μa 0.2 to 0.3 (3 values)",
-        "4 lock (4 at 0/1)",
-    )
-    for part in (*told, "1 refused; it so: no such loop."):
+    told = ("plywood: friction μa × ring x", "9 points over friction μa 0.2 to 0.3 (3 values)")
+    for part in (*told, "4 lock (4 at 0/1)", "1 refused; it so: no such loop."):
         assert part in words(figure)
     # In grey, a darker cell has more stable directions.
-    grey = [
-        float(np.dot(mesh.cmap(mesh.norm(count))[:3], (0.299, 0.587, 0.114)))
-        for count in (0.0, 1.0)
-    ]
-    assert grey[0] - grey[1] > 0.4
+    colours = np.array([mesh.cmap(mesh.norm(count))[:3] for count in (0.0, 1.0)])
+    none, some = colours @ (0.299, 0.587, 0.114)
+    assert none - some > 0.4
 
 
 def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
-    sweep = swept(
-        SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS)
-    )
+    over = {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}
+    sweep = swept(SweepPlan.grid("plywood", over, numbers=NUMBERS))
     points, _ = panels(page_of(sweep))
-    assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], (
-        "unstable, stable and refused points"
-    )
-    assert sweep_sentences(sweep.where(sweep.table["number"] < 4))[0].startswith(
-        "4 of 11 points over friction μa"
-    )
+    unstable, stable, refused_points = (len(line.get_xdata()) for line in points.lines[:3])
+    assert (unstable, stable, refused_points) == (5, 5, 1)
+    said = sweep_sentences(sweep.where(sweep.table["number"] < 4))[0]
+    assert said.startswith("4 of 11 points over friction μa")
 
 
 def test_a_sample_is_dots_and_any_quantity_can_be_drawn(swept) -> None:
-    plan = SweepPlan.sample(
-        "plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}, 21, numbers=NUMBERS
-    )
+    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
+    plan = SweepPlan.sample("plywood", ranges, 21, numbers=NUMBERS)
     figure = page_of(swept(plan), ("fixed_points",))
     (axes,) = panels(figure)
     assert (len(axes.collections[0].get_offsets()), len(axes.lines[0].get_xdata())) == (19, 2)
     assert "sobol sample, seed 0" in words(figure)
-    named = swept(
-        SweepPlan.grid(None, {"material": ("abs", "delrin", "plywood", "pu")}, numbers=NUMBERS)
-    )
-    points, _ = panels(page_of(named))
-    assert [label.get_text() for label in points.get_xticklabels()] == [
-        "abs",
-        "delrin",
-        "plywood",
-        "pu",
-    ]
+    names = ("abs", "delrin", "plywood", "pu")
+    points, _ = panels(page_of(swept(SweepPlan.grid(None, {"material": names}, numbers=NUMBERS))))
+    assert tuple(label.get_text() for label in points.get_xticklabels()) == names
 
 
 @pytest.mark.slow
 def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
-    plan = SweepPlan.grid(
-        "plywood", {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}, numbers=NUMBERS
-    )
+    over = {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}
+    plan = SweepPlan.grid("plywood", over, numbers=NUMBERS)
     run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
     sweep = load_sweep(tmp_path / "sweep.sqlite")
     assert all("contact fraction" in text for text in sweep.table["refusal"])
@@ -175,15 +141,13 @@ def test_angles_are_drawn_in_degrees(tmp_path) -> None:
 
 
 def test_lines_run_along_the_key_with_every_fixed_point(tmp_path) -> None:
-    plan = SweepPlan.grid(
-        "plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers()
-    )
+    over = {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}
+    plan = SweepPlan.grid("plywood", over, numbers=FakeNumbers())
     points, rotation = panels(page_of(fake_swept(tmp_path / "sweep.sqlite", plan)))
     line = rotation.lines[0]
-    assert line.get_xdata().tolist() == [-12.0, -8.0, -4.0, 0.0]
-    assert line.get_ydata().tolist() == [
-        fake_values(0.25, x)["rotation"] for x in (-12.0, -8.0, -4.0, 0.0)
-    ]
+    places = [-12.0, -8.0, -4.0, 0.0]
+    assert line.get_xdata().tolist() == places
+    assert line.get_ydata().tolist() == [fake_values(0.25, x)["rotation"] for x in places]
     stable, unstable = points.lines[:2]
     assert sorted(stable.get_xdata().tolist()) == sorted(unstable.get_xdata()) == [-12.0, -8.0]
     assert np.degrees(0.1 + 8.0 / 7.0) in stable.get_ydata()
