@@ -19,15 +19,17 @@ from cyclemap.mechanics import EllipseFriction, load_material
 from cyclemap.views.sentences import angle, listed
 
 from ..catalogue import Exhibit, MeasuredFolder
-from .paper_pushes import PUBLISHED_CYCLES, measured_scans, not_found
-from .simulated_collections import (
+from .repeated_pushes import (
     PAPER,
+    PUBLISHED_CYCLES,
     QUANTITIES,
     SIMULATED,
     MaterialPushes,
     Sampling,
     fitted_laws,
     material_pushes,
+    measured_scans,
+    not_found,
 )
 
 FRICTION_HEADER = (

@@ -61,13 +61,13 @@ def test_a_recorded_set_gives_its_turns_its_climb_and_its_theta0(tmp_path_factor
     recorded = recorded_folder(tmp_path_factory)
     found = [small(name, recorded) for name in names]
     told = [load_exhibit(name).caption(result) for name, result in zip(names, found, strict=True)]
-    turns, climb, theta0, over = (result[1] for result in (found[0].panels, *found[1:]))
+    turns, climb, theta0, over = (result[1] for result in found)
     assert (turns.surface, turns.recorded, turns.histogram.count) == ("abs", True, RECORDED_ABS)
     assert f"Of {RECORDED_ABS} pushes recorded on abs" in told[0]
     assert climb.recorded.path.size == RECORDED_ABS and found[1][3].recorded is None
     assert f"The recorded path of {RECORDED_ABS} pushes" in told[1]
-    assert theta0.theta0.size == over.measured.pushes.count == RECORDED_ABS
-    assert np.array_equal(over.law.value, over.measured.pushes.dtheta)
+    assert theta0.theta0.size == over.measured.count == RECORDED_ABS
+    assert np.array_equal(over.law.value, over.measured.dtheta)
     rmse = np.degrees(over.law.law.rmse)
     assert f"abs ({RECORDED_ABS} pushes, law within {rmse:.2f}° RMS)" in told[3]
 
@@ -103,8 +103,8 @@ def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
 
 def test_histograms_count_every_push_as_the_law_does_nearer_with_its_scatter_than_alone() -> None:
     result = small("turn-histograms")
-    assert [panel.surface for panel in result.panels] == NAMES == list(result.absent)
-    for panel in result.panels:
+    assert [panel.surface for panel in result] == NAMES
+    for panel in result:
         found = panel.histogram
         assert not panel.recorded and not panel.whole_cycle
         assert found.count == SMALL.pushes == pytest.approx(np.sum(found.predicted))
@@ -114,9 +114,9 @@ def test_histograms_count_every_push_as_the_law_does_nearer_with_its_scatter_tha
 @pytest.mark.slow
 def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measured_data) -> None:
     found = small("turn-histograms", MeasuredFolder(measured_data))
-    exhibit, cycle = load_exhibit("turn-histograms"), found.panels[-1]
+    exhibit, cycle = load_exhibit("turn-histograms"), found[-1]
     told, figure = exhibit.caption(found), exhibit.draw(found)
-    assert [panel.whole_cycle for panel in found.panels] == [False] * 4 + [True]
+    assert [panel.whole_cycle for panel in found] == [False] * 4 + [True]
     assert cycle.recorded and cycle.surface == "plywood" and cycle.histogram.count == 1996
     assert "Of 1996 whole cycles recorded (push and drag together, since only θ0" in told
     assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")

@@ -61,7 +61,7 @@ def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_fac
     degree.
     """
     found = simulated_against_measured(recorded_plywood(tmp_path_factory), NODES)
-    assert found.recorded.pushes.count == RECORDED
+    assert found.recorded.count == RECORDED
     errors = [float(np.degrees(found.recorded_error(number))) for number in range(3)]
     assert errors[0] < 0.5 < min(errors[1:])
     told, figure = turns_caption(found), draw_turns_beside(found)

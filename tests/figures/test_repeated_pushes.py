@@ -1,21 +1,31 @@
-"""Sampled runs follow the mechanics, scatter as they say, and wear."""
+"""The paper's repeated pushes: recorded sets are found by the names of their files; sampled runs
+follow the mechanics, scatter as they say, and wear.
+"""
+
+import shutil
 
 import numpy as np
 import pytest
-from figure_cases import SMALL
+from figure_cases import RECORDED_ABS, RECORDED_PLYWOOD, SMALL, recorded_folder
 from refusals import refused
 
+from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.figures.materials.simulated_collections import (
+from cyclemap.evidence import simulate_collection
+from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures.materials.repeated_pushes import (
     STANDS_FOR,
     Sampling,
     SurfaceState,
     fitted_laws,
+    measured_theta0,
+    recorded_set,
     sampled_run,
     surface_states,
 )
 from cyclemap.maps import WrappedNormal, transfer_operator
+from cyclemap.mechanics import SidePush
 from cyclemap.protocol import loop_from_settings
 
 CIRCLE = np.linspace(0.0, 2 * np.pi, 2001)
@@ -117,3 +127,41 @@ def test_bad_sampling_and_a_material_of_which_nothing_is_published_are_refused()
     for name, value in (("pushes", 1), ("states", 1), ("tolerance", 0.0)):
         refused(Sampling, told=name, **{name: value})
     refused(sampled_run, "isotropic", SMALL, told=r"material of Ma & Rodriguez \(2018\).*isotropic")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    return recorded_folder(tmp_path_factory)
+
+
+def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
+    plywood, made_abs, *others = (
+        recorded_set(recorded, name) for name in ("plywood", "abs", "delrin", "pu")
+    )
+    counts = plywood.count, made_abs.count
+    assert counts == (RECORDED_PLYWOOD, RECORDED_ABS) and others == [None, None]
+    pairs = measured_theta0(recorded, "abs")
+    assert pairs.path.size == RECORDED_ABS and pairs.theta.size == RECORDED_ABS - 1
+    assert measured_theta0(recorded, "pu") is None
+
+
+def test_pushes_of_another_protocol_or_too_few_are_no_set(tmp_path) -> None:
+    base = CollectionLoop.mit("abs", accuracy=1e-4, push=SidePush(distance=0.02))
+    simulate_collection(loop_from_settings({"fraction": 0.5}, base), tmp_path / "other", 20)
+    simulate_collection(base, tmp_path / "few", 19)
+    assert recorded_set(MeasuredFolder(tmp_path), "abs") is None
+
+
+def test_damaged_files_are_passed_over(recorded, tmp_path) -> None:
+    shutil.copytree(recorded.path / "one", tmp_path / "one")
+    files = sorted((tmp_path / "one").rglob("*.h5"))
+    files[3].write_bytes(b"no HDF5")
+    found = recorded_set(MeasuredFolder(tmp_path), "abs")
+    assert found.count == RECORDED_ABS - 1
+
+
+def test_who_watches_the_folder_learns_where_the_pushes_were(recorded) -> None:
+    watched = WatchedFolder(recorded.path)
+    assert recorded_set(watched, "abs") is not None and recorded_set(watched, "pu") is None
+    (used,) = watched.there
+    assert any("motion_surface=abs" in file.name for file in (recorded.path / used).iterdir())
