@@ -39,9 +39,8 @@ def test_the_moebius_map_is_the_half_angle_solution():
     shrunk = t * (1 - A) / (1 + A)
     assert sp.simplify(image - (1 + sp.I * shrunk) / (1 - sp.I * shrunk)) == 0
     x = sp.Symbol("x", positive=True)
-    assert (
-        sp.simplify(((1 - sp.tanh(x / 2)) / (1 + sp.tanh(x / 2))).rewrite(sp.exp) - sp.exp(-x)) == 0
-    )
+    half = sp.tanh(x / 2)
+    assert sp.simplify(((1 - half) / (1 + half)).rewrite(sp.exp) - sp.exp(-x)) == 0
 
 
 @pytest.mark.slow
@@ -62,7 +61,8 @@ def test_a_bent_path_is_one_moebius_map_with_the_strength_of_the_product():
     maps, turned.
     """
     legs = ((0.4, 0.3), (0.7, 2.0), (0.2, -1.1))
-    matrix, lever, slope = sp.eye(2), np.linspace(-np.pi, np.pi, 200_001), 1.0
+    start = np.linspace(-np.pi, np.pi, 200_001)
+    matrix, lever, slope = sp.eye(2), start, 1.0
     for a, direction in legs:
         leg = CircleMap.moebius(a, 0.0)
         trail = lever - direction - np.pi
@@ -73,10 +73,7 @@ def test_a_bent_path_is_one_moebius_map_with_the_strength_of_the_product():
     assert abs(slope.max() / ((1.0 + whole) / (1.0 - whole)) - 1.0) < 1e-7
     assert abs(slope.min() / ((1.0 - whole) / (1.0 + whole)) - 1.0) < 1e-7
     mapped = sp.lambdify(Z, (matrix[0, 0] * Z + matrix[0, 1]) / (matrix[1, 0] * Z + matrix[1, 1]))
-    assert (
-        np.abs(mapped(np.exp(1j * np.linspace(-np.pi, np.pi, 200_001))) - np.exp(1j * lever)).max()
-        < 1e-12
-    )
+    assert np.abs(mapped(np.exp(1j * start)) - np.exp(1j * lever)).max() < 1e-12
 
 
 def test_the_trails_map_is_the_codes_moebius_map():

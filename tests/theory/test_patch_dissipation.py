@@ -53,14 +53,12 @@ def closed_form(corners):
 
 
 def random_polygons(count, seed):
-    """Triangles to hexagons, counter-clockwise about the origin, and one concave."""
+    """A triangle and polygons of more sides, counter-clockwise about the origin; one concave."""
     rng = np.random.default_rng(seed)
     for k in range(count):
-        angle = (np.arange(3 + k % 4) + 0.8 * rng.uniform(size=3 + k % 4)) * 2 * np.pi / (3 + k % 4)
-        radius = rng.uniform(0.03, 0.08, angle.size)
-        yield tuple(
-            zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True)
-        )
+        angle = (np.arange(3 + k) + 0.8 * rng.uniform(size=3 + k)) * 2 * np.pi / (3 + k)
+        corner = rng.uniform(0.03, 0.08, angle.size) * np.exp(1j * angle)
+        yield tuple(zip(corner.real.tolist(), corner.imag.tolist(), strict=True))
     yield CONCAVE
 
 
@@ -75,21 +73,17 @@ def random_twist(corners, rng):
 
 @pytest.mark.slow
 def test_the_codes_patch_is_the_closed_form_to_rounding():
-    rng, compared = np.random.default_rng(1), 0
-    for corners in random_polygons(4, seed=2):
-        evaluate, surface = (
-            closed_form(corners),
-            LimitSurface(PatchFootprint(Polygon(corners)), LAW),
-        )
-        for _ in range(20):
+    rng = np.random.default_rng(1)
+    for corners in random_polygons(2, seed=2):
+        evaluate = closed_form(corners)
+        surface = LimitSurface(PatchFootprint(Polygon(corners)), LAW)
+        for _ in range(10):
             twist = random_twist(corners, rng)
             mean, force = evaluate(twist, LAW)
             assert abs(surface.dissipation(twist) / mean - 1.0) < 1e-13
             torque = (mean - force @ twist[:2]) / twist[2]
             size = np.array((1.0, 1.0, surface.footprint.extent))
             assert np.abs((surface.wrench(twist) - (*force, torque)) / size).max() < 1e-13
-            compared += 1
-    assert compared == 100
 
 
 def test_the_curvature_of_a_polygon_is_the_derivative_of_its_force():
@@ -100,7 +94,6 @@ def test_the_curvature_of_a_polygon_is_the_derivative_of_its_force():
     force = sp.lambdify(flat, list(theory.polygon_force(moved)), cse=True)
     bend = sp.lambdify(flat, theory.polygon_curvature(moved), cse=True)
     place, step = (0.3, -0.4, 0.9, 0.1, 0.2, 0.8), 1e-5
-    slopes = [
-        np.subtract(force(*e, *place), force(*-e, *place)) / (2 * step) for e in step * np.eye(2)
-    ]
-    assert np.allclose(np.array(slopes).T, bend(0.0, 0.0, *place), rtol=0, atol=1e-9)
+    pairs = [(force(*shift, *place), force(*-shift, *place)) for shift in step * np.eye(2)]
+    slopes = np.subtract(*np.swapaxes(pairs, 0, 1)) / (2 * step)
+    assert np.allclose(slopes.T, bend(0.0, 0.0, *place), rtol=0, atol=1e-9)

@@ -48,44 +48,35 @@ def test_the_codes_patch_near_translation_is_the_second_order_form_with_an_error
     assert np.abs(orders - order).max() < 0.1
 
 
-def image_of(outline, twist):
-    matrix = np.array(
-        traction_matrix(LAW.phi).subs({theory.MU_A: LAW.mu_a, theory.MU_B: LAW.mu_b}), dtype=float
-    )
-    floats = [(sp.Float(x), sp.Float(y)) for x, y in outline.vertices]
-    return velocity_image(
-        floats, (sp.Float(twist[0]), sp.Float(twist[1])), sp.Float(twist[2]), sp.Matrix(matrix)
-    ), matrix
+MATRIX = traction_matrix(sp.Float(LAW.phi)).subs({theory.MU_A: LAW.mu_a, theory.MU_B: LAW.mu_b})
+
+
+def floats(values):
+    return [sp.Float(value) for value in values]
+
+
+def image_of(places, twist):
+    vx, vy, omega = floats(twist)
+    return velocity_image([floats(place) for place in places], (vx, vy), omega, MATRIX)
 
 
 @pytest.mark.slow
 def test_weight_on_the_rim_alone_dissipates_the_closed_forms_derivative_by_the_scale():
     """For a square and a triangle, turning both ways."""
-    for outline, twist in (
-        (SQUARE, (0.4, -0.2, 9.0)),
-        (TRIANGLE, (0.1, 0.3, -20.0)),
-        (TRIANGLE, (0.6, 0.1, 4.0)),
-    ):
-        corners = image_of(outline, twist)[0]
-        centre = image_of(Polygon((outline.centroid, (1.0, 0.0), (1.0, 1.0))), twist)[0][0]
+    for outline, twist in ((SQUARE, (0.4, -0.2, 9.0)), (TRIANGLE, (0.1, 0.3, -20.0))):
+        *corners, centre = image_of([*outline.vertices, outline.centroid], twist)
         found = LimitSurface(PatchFootprint(outline, rim_share=1.0), LAW).dissipation(twist)
         assert abs(found / float(theory.rim_mean(corners, centre)) - 1.0) < 1e-12
 
 
 def grid_errors(twist, counts):
     """Errors of n x n grids on the square, and what is left of them after the leading term."""
-    exact = float(LimitSurface(PatchFootprint(SQUARE), LAW).dissipation(twist))
-    corners = [(sp.Float(x), sp.Float(y)) for x, y in SQUARE.vertices]
-    velocity, matrix = (
-        (sp.Float(twist[0]), sp.Float(twist[1])),
-        sp.Matrix(image_of(SQUARE, twist)[1]),
-    )
-    unit = float(theory.grid_defect(corners, velocity, sp.Float(twist[2]), matrix, sp.Integer(1)))
-    errors = [
-        float(LimitSurface(grid_footprint(SQUARE, n), LAW).dissipation(twist)) - exact
-        for n in counts
-    ]
-    return np.array(errors), np.array(errors) - unit * (0.09 / np.array(counts)) ** 2
+    footprints = [PatchFootprint(SQUARE), *(grid_footprint(SQUARE, n) for n in counts)]
+    exact, *found = (float(LimitSurface(each, LAW).dissipation(twist)) for each in footprints)
+    corners, (vx, vy, omega) = [floats(corner) for corner in SQUARE.vertices], floats(twist)
+    unit = float(theory.grid_defect(corners, (vx, vy), omega, MATRIX, sp.Integer(1)))
+    errors = np.array(found) - exact
+    return errors, errors - unit * (0.09 / np.array(counts)) ** 2
 
 
 def test_a_grid_errs_by_the_derived_leading_term_and_the_rest_falls_with_the_fourth_power():
@@ -99,28 +90,22 @@ def test_with_the_centre_of_rotation_inside_the_rest_falls_with_the_third_power(
     """The cone of |w| adds an error that depends on where in its cell the centre lies, but stays
     below C h^3.
     """
-    rng, counts, compared = np.random.default_rng(0), (8, 16, 32), 0
-    for _ in range(6):
-        x, y = rng.uniform(-0.04, 0.04, 2)
+    counts = (8, 16, 32)
+    for x, y in np.random.default_rng(0).uniform(-0.04, 0.04, (4, 2)):
         errors, rest = grid_errors((y, -x, 1.0), counts)
         assert (errors < 0.0).all()
         assert (np.abs(rest / errors) < 0.6 / np.array(counts)).all()
-        compared += 1
-    assert compared == 6
 
 
 def test_a_square_spinning_on_the_papers_grid_lacks_the_derived_share_to_leading_order():
     friction, spin = EllipseFriction.isotropic(0.25), (0.0, 0.0, 1.0)
     exact = LimitSurface(PatchFootprint(SQUARE), friction).dissipation(spin)
-    counts = np.array((8, 16, 32))
-    lacks = [
-        LimitSurface(grid_footprint(SQUARE, n), friction).dissipation(spin) / exact - 1.0
-        for n in (8, 16, 32)
-    ]
+    counts = (8, 16, 32)
+    grids = [LimitSurface(grid_footprint(SQUARE, n), friction) for n in counts]
+    lacks = np.array([grid.dissipation(spin) / exact - 1.0 for grid in grids])
     assert abs(lacks[0] + 0.0057) < 5e-5
     # The cone of |w| lies on a corner of the cells: what is left is of third order.
-    rest = (
-        np.array(lacks) / [float(theory.spinning_square_grid_defect(int(n))) for n in counts] - 1.0
-    ) * counts
+    derived = [float(theory.spinning_square_grid_defect(n)) for n in counts]
+    rest = (lacks / derived - 1.0) * counts
     assert np.ptp(rest) < 0.02
     assert abs(rest.mean() + 0.45) < 0.02

@@ -19,7 +19,8 @@ X, Y = theory.W_X, theory.W_Y
 SPEED = theory.speed()
 HESSIAN = [sp.diff(SPEED, *pair) for pair in ((X, X), (X, Y), (Y, Y))]
 TERMS = [SPEED, sp.diff(SPEED, X), sp.diff(SPEED, Y), *HESSIAN]
-PRESSURES = [sp.Integer(1), X, Y, X**2, X * Y, Y**2]
+# In x and y alike: of two that differ by their names one.
+PRESSURES = [sp.Integer(1), X, X**2, X * Y]
 
 
 @pytest.mark.slow
