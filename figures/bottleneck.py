@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
@@ -396,10 +396,8 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     """
     pairs = fitted.pairs
     assert pairs.cycle is not None
-    near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], TWO_PI))
-    around = np.concatenate([near[-1:] - TWO_PI, near, near[:1] + TWO_PI])
-    after = np.clip(np.searchsorted(around, CIRCLE), 1, around.size - 1)
-    apart = np.minimum(np.abs(around[after] - CIRCLE), np.abs(CIRCLE - around[after - 1]))
+    near = pairs.theta[np.abs(pairs.cycle - age) <= NEAR]
+    apart = np.abs(shorter_way(CIRCLE[:, None] - near)).min(axis=1)
     turn = fitted.fitted.map_at(float(age)).turn(CIRCLE)
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
 

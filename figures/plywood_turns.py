@@ -17,7 +17,13 @@ from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import isotropic_twin, worn_loop
 from cyclemap.evidence.laws.push_sets import PushSet
-from cyclemap.evidence.laws.turn_bins import MeasuredOverlay, TurnBins, measured_overlay, turn_bins
+from cyclemap.evidence.laws.turn_bins import (
+    MeasuredOverlay,
+    TurnBins,
+    measured_overlay,
+    root_mean_square,
+    turn_bins,
+)
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
@@ -136,7 +142,7 @@ def simulated_against_measured(
 
 def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> SimulatedTurns:
     """Return pushes and cycles of `loop` from `nodes` equally spaced orientations."""
-    theta = np.linspace(0.0, TWO_PI, whole_number("nodes", nodes, least=4), endpoint=False)
+    theta = even_angles(whole_number("nodes", nodes, least=4))
     runs = loop.cycles(theta)
     push, cycle = (
         CircleMap.from_samples(theta, end) for end in (theta + runs.push_turn, runs.theta_next)
@@ -277,7 +283,7 @@ def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
         miss = math.nan
         if bins is not None:
             predicted = np.interp(bins.centre, theta, turn, period=TWO_PI)
-            miss = float(np.sqrt(np.mean((bins.median - predicted) ** 2)))
+            miss = root_mean_square(bins.median - predicted)
         floors.append(FloorTurn(name, turn, miss))
     outline = even.slider.outline_points(200)
     reach = 1.05 * float(np.hypot(*outline.T).max())
