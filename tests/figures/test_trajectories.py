@@ -115,6 +115,11 @@ def test_chords_of_a_circle_cross_exactly_when_their_ends_alternate() -> None:
     alternate = between[..., 0] != between[..., 1]
     crossed = int(np.triu(alternate, 1).sum())
     assert crossing_pairs(chords, np.ones((24, 24), dtype=bool)) == (crossed, 276)
+
+
+def test_paths_that_start_at_one_point_do_not_cross_there() -> None:
+    fan = np.array([[[0.0, 0.0], [np.cos(a), np.sin(a)]] for a in (0.1, 0.4, 0.9)])
+    assert crossing_pairs(fan, np.ones((3, 3), dtype=bool)) == (0, 3)
     fan = np.array([[[0.0, 0.0], [np.cos(a), np.sin(a)]] for a in (0.1, 0.4, 0.9)])
     assert crossing_pairs(fan, np.ones((3, 3), dtype=bool)) == (0, 3)
     assert crossing_pairs(fan, np.zeros((3, 3), dtype=bool)) == (0, 0)
