@@ -104,7 +104,7 @@ def theta0_histograms(
         theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
         recorded = None if theta0 is None else angle_histogram(theta0)
         simulated = angle_histogram(run.pushes.theta)
-        panels.append(MaterialDirections(run, simulated, *run.density(CIRCLE), theta0, recorded))
+        panels.append(MaterialDirections(run, simulated, *run.density, theta0, recorded))
     return tuple(panels)
 
 

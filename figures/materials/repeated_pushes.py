@@ -18,7 +18,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -53,7 +53,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.views.panels.layout import Panel, grid_of, picture
-from cyclemap.views.panels.orientation import OUTCOMES
+from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES
 from cyclemap.views.panels.style import BARS, DOTS, QUIET, Look
 from cyclemap.views.sentences import listed
 
@@ -410,9 +410,10 @@ class SampledRun:
         """What the paper says of this material."""
         return published_statistics(self.surface)
 
-    def density(self, theta: Array) -> tuple[Array, float]:
-        """Stationary density (n,), per rad, of θ0 at angles (n,), and a bound on its error; the
-        mean over the wear.
+    @cached_property
+    def density(self) -> tuple[Array, float]:
+        """Stationary density (721,), per rad, of θ0 at `CIRCLE`, and a bound on its error; the mean
+        over the wear.
 
         As if each state had been there for ever: a run of finite length need not have forgotten
         where it began.
@@ -422,7 +423,7 @@ class SampledRun:
             weight[[0, -1]] = 0.5
         weight /= weight.sum()
         operators = [transfer_operator(state.map, NOISE) for state in self.states]
-        density = weight @ np.array([operator.density(theta) for operator in operators])
+        density = weight @ np.array([operator.density(CIRCLE) for operator in operators])
         return np.asarray(density), float(weight @ [operator.error_bound for operator in operators])
 
 

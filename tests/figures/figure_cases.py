@@ -58,7 +58,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "staircase-bottleneck": {"cycles": 8_000, "tolerance": 1e-4},
     "wear-drift": {"points": 5},
     "locking-in": {
-        "start": np.radians(38.0),
+        "start": np.radians(57.0),
         "locked": np.radians(3.0),
         "pace": ((1, 3, 2),),
         "slow": (2, 2),

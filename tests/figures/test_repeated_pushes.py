@@ -27,8 +27,7 @@ from cyclemap.figures.materials.repeated_pushes import (
 from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol import loop_from_settings
-
-CIRCLE = np.linspace(0.0, 2 * np.pi, 2001)
+from cyclemap.views.panels.orientation import CIRCLE
 
 
 @pytest.fixture(scope="module")
@@ -106,11 +105,11 @@ def test_wear_leads_from_the_fresh_map_to_the_worn_one(worn) -> None:
 @pytest.mark.slow
 def test_densities_are_laws_and_the_worn_one_is_the_mean_of_its_states(worn, pu) -> None:
     for run in (worn, pu):
-        density, _ = run.density(CIRCLE)
+        density, _ = run.density
         assert np.all(density >= -1e-9)
         assert np.trapezoid(density, CIRCLE) == pytest.approx(1.0, abs=1e-4)
     each = [transfer_operator(state.map, WrappedNormal(DEFAULT_SIGMA)) for state in worn.states]
-    density, error = worn.density(CIRCLE)
+    density, error = worn.density
     mean = np.mean([operator.density(CIRCLE) for operator in each], axis=0)
     assert np.allclose(density, mean, atol=1e-12)
     assert error == pytest.approx(np.mean([operator.error_bound for operator in each]))
