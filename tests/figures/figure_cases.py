@@ -104,10 +104,8 @@ def recorded_plywood(factory: pytest.TempPathFactory) -> MeasuredFolder:
 
     All tests of a run share them: a collection that is complete is not made again.
     """
-    loop, folder = (
-        CollectionLoop.mit("plywood", accuracy=1e-6),
-        factory.getbasetemp() / "recorded_pushes",
-    )
+    loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    folder = factory.getbasetemp() / "recorded_pushes"
     simulate_collection(loop, folder, RECORDED, noise=RecordingNoise(turn=0.0))
     return MeasuredFolder(folder)
 
@@ -121,9 +119,8 @@ def assert_drawn(figure: Figure, panels: int) -> None:
     for axes in figure.axes:
         assert axes.lines or axes.collections or axes.patches, "an empty panel"
         for label in (axes.get_xlabel(), axes.get_ylabel()):
-            assert (
-                not label or UNIT.search(label) or any(word in label for word in DIMENSIONLESS)
-            ), label
+            is_one = any(word in label for word in DIMENSIONLESS)
+            assert not label or UNIT.search(label) or is_one, label
         assert axes.get_xlabel() or axes.get_ylabel()
     assert_words_apart(figure)
 
