@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import drifting_map
+from cyclemap.collection.loop_surfaces import BLEND_TOLERANCE, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import (
@@ -352,18 +352,18 @@ class WearDrift:
 
 
 def wear_drift(
-    measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None
+    measured: MeasuredFolder, points: int = 17, tolerance: float = BLEND_TOLERANCE
 ) -> WearDrift:
     """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its
     wear.
 
     points : ages at which the pace is foretold.
-    runs, harmonics : of `beside_measured`.
+    tolerance : of `drifting_map`.
     """
     loop = CollectionLoop.mit(material=MATERIAL)
     wear = loop.material.wear
     assert wear is not None
-    drifting = drifting_map(loop, int(wear.cycles) + 1)
+    drifting = drifting_map(loop, int(wear.cycles) + 1, tolerance)
     ages = np.linspace(0.0, wear.cycles, points)
     noise = WrappedNormal(DEFAULT_SIGMA)
     rotation = [transfer_operator(drifting.at(age), noise).rotation_number for age in ages.tolist()]
@@ -372,11 +372,11 @@ def wear_drift(
     least = np.array([drifting.at(float(age)).turn(CIRCLE).min() for age in cycles])
     computed = WearDrift(cycles, least, turns, ages, np.array(rotation), drifting.max_error)
     file = measured.find(THETA0_FILE)
-    return computed if file is None else beside_measured(computed, file, runs, harmonics)
+    return computed if file is None else beside_measured(computed, file)
 
 
 def beside_measured(
-    computed: WearDrift, file: Path, runs: int, harmonics: int | None = None
+    computed: WearDrift, file: Path, runs: int = 50, harmonics: int | None = None
 ) -> WearDrift:
     """Return the computed map with the one fitted to measured θ0 beside it.
 

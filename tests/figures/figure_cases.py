@@ -56,7 +56,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "fingerprints": 6,
     },
     "staircase-bottleneck": {"cycles": 8_000, "tolerance": 1e-4},
-    "wear-drift": {"points": 5},
+    "wear-drift": {"points": 5, "tolerance": 5e-3},
     "locking-in": {
         "start": np.radians(57.0),
         "locked": np.radians(3.0),
