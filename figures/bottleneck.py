@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_surfaces import drifting_map
+from cyclemap.collection.loop_surfaces import BLEND_TOLERANCE, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import (
@@ -352,19 +352,18 @@ class WearDrift:
 
 
 def wear_drift(
-    measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None
+    measured: MeasuredFolder, points: int = 17, tolerance: float = BLEND_TOLERANCE
 ) -> WearDrift:
     """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its
     wear.
 
     points : ages at which the pace is foretold.
-    runs : paths of the fitted map a measured turn.
-    harmonics : of the fitted map, None to choose them.
+    tolerance : of `drifting_map`.
     """
     loop = CollectionLoop.mit(material=MATERIAL)
     wear = loop.material.wear
     assert wear is not None
-    drifting = drifting_map(loop, int(wear.cycles) + 1)
+    drifting = drifting_map(loop, int(wear.cycles) + 1, tolerance)
     ages = np.linspace(0.0, wear.cycles, points)
     noise = WrappedNormal(DEFAULT_SIGMA)
     rotation = [transfer_operator(drifting.at(age), noise).rotation_number for age in ages.tolist()]
@@ -373,13 +372,22 @@ def wear_drift(
     least = np.array([drifting.at(float(age)).turn(CIRCLE).min() for age in cycles])
     computed = WearDrift(cycles, least, turns, ages, np.array(rotation), drifting.max_error)
     file = measured.find(THETA0_FILE)
-    if file is None:
-        return computed
+    return computed if file is None else beside_measured(computed, file)
+
+
+def beside_measured(
+    computed: WearDrift, file: Path, runs: int = 50, harmonics: int | None = None
+) -> WearDrift:
+    """Return the computed map with the one fitted to measured θ0 beside it.
+
+    runs : paths of the fitted map a measured turn.
+    harmonics : of the fitted map, None to choose them.
+    """
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
-    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(CIRCLE).min() for n in cycles])
+    least = [fitted.fitted.map_at(float(age)).turn(CIRCLE).min() for age in computed.cycles]
     seen = tuple(_where_seen(fitted, age) for age in AGES)
     pace = None if fitted.forecast is None else fitted.forecast.pace
-    return replace(computed, pace=pace, measured_least=fitted_least, measured_turns=seen)
+    return replace(computed, pace=pace, measured_least=np.array(least), measured_turns=seen)
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
@@ -388,10 +396,8 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     """
     pairs = fitted.pairs
     assert pairs.cycle is not None
-    near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], TWO_PI))
-    around = np.concatenate([near[-1:] - TWO_PI, near, near[:1] + TWO_PI])
-    after = np.clip(np.searchsorted(around, CIRCLE), 1, around.size - 1)
-    apart = np.minimum(np.abs(around[after] - CIRCLE), np.abs(CIRCLE - around[after - 1]))
+    near = pairs.theta[np.abs(pairs.cycle - age) <= NEAR]
+    apart = np.abs(shorter_way(CIRCLE[:, None] - near)).min(axis=1)
     turn = fitted.fitted.map_at(float(age)).turn(CIRCLE)
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
 

@@ -186,12 +186,12 @@ CATALOGUE = (
         "cycles",
     ),
     Entry("fingerprint", BEYOND, "Five numbers against the full map", "fingerprint"),
-    Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in", "saddle_node"),
+    Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in", "ring_distance"),
     Entry(
         "phase-diagram",
         BEYOND,
         "Ring radius against anisotropy: where the robot locks in",
-        "phase_diagram",
+        "ring_distance",
     ),
     Entry(
         "floor-shape",

@@ -23,6 +23,7 @@ from cyclemap.collection.dynamic_loop import (
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.loop_surfaces import isotropic_twin
 from cyclemap.mechanics import Trajectory
+from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.views.experiment_page import (
     differences,
     draw_paths,
@@ -73,9 +74,8 @@ class SetupAndCycles:
     @property
     def contact(self) -> Array:
         """(2,) m, where the rod first touches, in the object's frame."""
-        side = np.array(self.loop.slider.outline.points(4))
-        first, second = side[self.loop.push.side], side[self.loop.push.side + 1]
-        return np.asarray(first + self.loop.push.fraction * (second - first))
+        # A rod without thickness touches where its centre is.
+        return first_contact(self.loop.slider, self.loop.push, 0.0)[0]
 
 
 def compute(measured: MeasuredFolder) -> SetupAndCycles:
@@ -227,10 +227,8 @@ class InertiaStudy:
     @property
     def orders(self) -> tuple[float, float]:
         """Exponents of the speed that the differences follow, by least squares in logarithms."""
-        first, second = (
-            np.polyfit(np.log(self.speeds), np.log(row), 1)[0] for row in self.differences
-        )
-        return float(first), float(second)
+        first, second = np.polyfit(np.log(self.speeds), np.log(self.differences).T, 1)[0].tolist()
+        return first, second
 
 
 def inertia_study(

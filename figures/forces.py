@@ -51,7 +51,7 @@ from cyclemap.views.panels.style import (
 )
 
 from .catalogue import NO_DATA, Exhibit, MeasuredFolder
-from .materials.paper_pushes import measured_scans, push_file_names, readable_pushes
+from .materials.repeated_pushes import measured_scans, push_file_names, readable_pushes
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.
@@ -385,12 +385,9 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     samples = contact_samples(record, outline)
     kept = samples.touching & np.isfinite(samples.slip)
     slip = np.abs(samples.slip[kept])
-    # The rod's way at the times of the wrenches that both other clocks cover.
-    tip, time = record.tip_pose, record.ft_wrench[:, 0]
-    clocks = record.object_pose[:, 0], tip[:, 0]
-    time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
-    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
-    travel = np.interp(time, tip[:, 0], travelled)[kept]
+    clock, x, y = record.tip_pose[:, :3].T
+    travelled = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0])))
+    travel = np.interp(samples.time[kept], clock, travelled)
     ratio = samples.force[kept].imag / samples.force[kept].real
     name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
     sliding, sticking = slip > SLIDING, slip < STICKING

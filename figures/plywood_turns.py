@@ -16,7 +16,14 @@ from cyclemap.arrays import TWO_PI, Array, even_angles, turned
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import isotropic_twin, worn_loop
-from cyclemap.evidence.laws.turn_bins import MeasuredOverlay, TurnBins, measured_overlay, turn_bins
+from cyclemap.evidence.laws.push_sets import PushSet
+from cyclemap.evidence.laws.turn_bins import (
+    MeasuredOverlay,
+    TurnBins,
+    measured_overlay,
+    root_mean_square,
+    turn_bins,
+)
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
@@ -52,7 +59,7 @@ from cyclemap.views.panels.style import (
 from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
-from .materials.paper_pushes import MeasuredRun, measured_run, measured_theta0, published_statistics
+from .materials.repeated_pushes import measured_theta0, published_statistics, recorded_set
 
 SURFACE = "plywood"
 # As in the paper.
@@ -88,7 +95,7 @@ class SimulatedAgainstMeasured:
     """
 
     simulated: tuple[SimulatedTurns, ...]
-    recorded: MeasuredRun | None
+    recorded: PushSet | None
     cycles: tuple[MeasuredOverlay, ...]
 
     def push_statistics(self, index: int) -> tuple[float, float]:
@@ -103,8 +110,8 @@ class SimulatedAgainstMeasured:
         """Root mean square (rad) of recorded less simulated Δθ; nan where no push is recorded."""
         if self.recorded is None:
             return float("nan")
-        pushes, simulated = self.recorded.pushes, self.simulated[index]
-        return float(np.sqrt(np.nanmean((pushes.dtheta - simulated.push.turn(pushes.theta)) ** 2)))
+        off = self.recorded.dtheta - self.simulated[index].push.turn(self.recorded.theta)
+        return float(np.sqrt(np.nanmean(off**2)))
 
 
 def simulated_against_measured(
@@ -130,17 +137,23 @@ def simulated_against_measured(
         if pairs is None
         else tuple(measured_overlay(pairs, turns.cycle.turn) for turns in simulated)
     )
-    return SimulatedAgainstMeasured(simulated, measured_run(measured, SURFACE), cycles)
+    return SimulatedAgainstMeasured(simulated, recorded_set(measured, SURFACE), cycles)
 
 
 def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> SimulatedTurns:
     """Return pushes and cycles of `loop` from `nodes` equally spaced orientations."""
-    theta = np.linspace(0.0, TWO_PI, whole_number("nodes", nodes, least=4), endpoint=False)
+    theta = even_angles(whole_number("nodes", nodes, least=4))
     runs = loop.cycles(theta)
     push, cycle = (
         CircleMap.from_samples(theta, end) for end in (theta + runs.push_turn, runs.theta_next)
     )
     return SimulatedTurns(name, read_only(theta), push, cycle)
+
+
+def _published_turn() -> tuple[float, float]:
+    """Mean and standard deviation of the turn of a push that are published, degrees."""
+    published = published_statistics(SURFACE)
+    return math.degrees(published.mean[0]), math.degrees(published.std[0])
 
 
 @picture_style()
@@ -151,16 +164,14 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
         draw_measured_turns(cycle, result.cycles[0].pairs, result.cycles[0].bins)
     draw_curves(push, CIRCLE, {turns.name: turns.push.turn(CIRCLE) for turns in result.simulated})
     draw_turns(cycle, CIRCLE, {turns.name: turns.cycle.turn(CIRCLE) for turns in result.simulated})
-    published = published_statistics(SURFACE)
-    mean, spread = np.degrees([published.mean[0], published.std[0]])
+    mean, spread = _published_turn()
     push.axhspan(
         mean - spread, mean + spread, color="#f6e3bd", label="published, mean ± σ", zorder=0
     )
     push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
-        pushes = result.recorded.pushes
         look = {**DOTS, "label": "recorded pushes"}
-        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), look)
+        draw_measured(push, result.recorded.theta, np.degrees(result.recorded.dtheta), look)
     degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
     entitle(push, "Push")
@@ -171,8 +182,7 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
 
 def turns_caption(result: SimulatedAgainstMeasured) -> str:
     """What is measured here and what is not, and how far the simulations lie from it."""
-    published = published_statistics(SURFACE)
-    mean, spread = np.degrees([published.mean[0], published.std[0]])
+    mean, spread = _published_turn()
     where = "at the measured θ0" if result.cycles else "over all θ0"
     pushes = []
     for index, simulated in enumerate(result.simulated):
@@ -181,7 +191,7 @@ def turns_caption(result: SimulatedAgainstMeasured) -> str:
         pushes.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
     dots = f"{NO_DATA} of Δθ."
     if result.recorded is not None:
-        dots = f"dots, {result.recorded.pushes.count} recorded pushes."
+        dots = f"dots, {result.recorded.count} recorded pushes."
     cycles = f"{NO_DATA} of θ0 ({THETA0_FILE})."
     if result.cycles:
         both = zip(result.simulated, result.cycles, strict=True)
@@ -273,7 +283,7 @@ def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
         miss = math.nan
         if bins is not None:
             predicted = np.interp(bins.centre, theta, turn, period=TWO_PI)
-            miss = float(np.sqrt(np.mean((bins.median - predicted) ** 2)))
+            miss = root_mean_square(bins.median - predicted)
         floors.append(FloorTurn(name, turn, miss))
     outline = even.slider.outline_points(200)
     reach = 1.05 * float(np.hypot(*outline.T).max())

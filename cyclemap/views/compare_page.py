@@ -147,11 +147,10 @@ def _draw_sets(panels: list[Axes], comparison: Comparison) -> None:
 
 def headline(name: str, comparison: Comparison) -> str:
     """How many of the questions that could be answered agree."""
-    answered = [verdict for verdict in verdicts(comparison) if verdict.agrees is not None]
-    kept = sum(answer.agrees is True for answer in answered)
-    if not answered:
+    answers = [verdict.agrees for verdict in verdicts(comparison) if verdict.agrees is not None]
+    if not answers:
         return f"{name} beside the data"
-    return f"{name} agrees with the data in {kept} of {len(answered)} questions"
+    return f"{name} agrees with the data in {sum(answers)} of {len(answers)} questions"
 
 
 def data_sentence(comparison: Comparison) -> str:
@@ -181,14 +180,12 @@ def trust_sentences(comparison: Comparison) -> list[str]:
 
 def summary_sentence(comparison: Comparison) -> str:
     """The questions by their answer, in a line or two."""
-    groups = {"Agree": True, "Do not agree": False, "Open": None}
-    listed = {
-        word: [verdict.question for verdict in verdicts(comparison) if verdict.agrees is answer]
-        for word, answer in groups.items()
-    }
-    return " ".join(
-        f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions
-    )
+    told, said = verdicts(comparison), []
+    for word, answer in (("Agree", True), ("Do not agree", False), ("Open", None)):
+        questions = [verdict.question for verdict in told if verdict.agrees is answer]
+        if questions:
+            said.append(f"{word}: {', '.join(questions)}.")
+    return " ".join(said)
 
 
 def explanation_sentences(name: str, comparison: Comparison) -> list[str]:
@@ -332,10 +329,8 @@ def _mean_verdict(agreement: QuantityAgreement, whose: str) -> Verdict:
     rmse, least = quantity.value(agreement.rmse), quantity.value(agreement.measured_std)
     # In per cent of the mean, too, unless that mean is nothing beside the spread.
     if agreement.std_percent < 100.0:
-        rmse, least = (
-            f"{rmse} ({agreement.percent:.1f} %)",
-            f"{least} ({agreement.std_percent:.1f} %)",
-        )
+        rmse += f" ({agreement.percent:.1f} %)"
+        least += f" ({agreement.std_percent:.1f} %)"
     better = "below" if agreement.explains else "not below"
     question = f"mean {quantity.name}{whose}"
     words = (
@@ -348,11 +343,8 @@ def _mean_verdict(agreement: QuantityAgreement, whose: str) -> Verdict:
 def _means(agreement: QuantityAgreement) -> str:
     quantity = _QUANTITIES[agreement.name]
     kept = {True: "agrees within its error", False: "is off", None: "is"}[agreement.agrees]
-    measured, predicted = (
-        quantity.value(agreement.measured_mean),
-        quantity.value(agreement.predicted_mean),
-    )
-    return f"{kept}: {measured} measured, {predicted} predicted"
+    measured = quantity.value(agreement.measured_mean)
+    return f"{kept}: {measured} measured, {quantity.value(agreement.predicted_mean)} predicted"
 
 
 def _error(agreement: QuantityAgreement) -> str:
@@ -390,12 +382,10 @@ def _map_verdict(cycle: CycleAgreement) -> Verdict:
         misfit += f", the medians of {agreement.bins} directions {angle(agreement.bin_rms)}"
     if cycle.scatter is not None:
         misfit += f"; about the best smooth map of θ0 they scatter by {angle(cycle.scatter)}"
-    if cycle.p_value is None:
-        open_words = f"{misfit}; their order is unknown, so the map is not tested."
-        return Verdict("cycle map", None, open_words)
-    return Verdict(
-        "cycle map", _kept(cycle.p_value), f"The map {_tested(cycle.p_value)}: {misfit}."
-    )
+    words = f"{misfit}; their order is unknown, so the map is not tested."
+    if cycle.p_value is not None:
+        words = f"The map {_tested(cycle.p_value)}: {misfit}."
+    return Verdict("cycle map", _kept(cycle.p_value), words)
 
 
 def _histogram_verdict(agreement: OrientationAgreement) -> Verdict:
@@ -424,7 +414,7 @@ def _direction_verdict(match: DirectionMatch) -> Verdict:
         f"The predicted {place} makes a predicted peak at {_DEG * predicted % 360.0:.1f}°, "
         f"measured at {_DEG * measured % 360.0:.1f}°: {off}{tested}."
     )
-    return Verdict(place, None if match.p_value is None else _kept(match.p_value), words)
+    return Verdict(place, _kept(match.p_value), words)
 
 
 def _staircase_verdict(quantity: _Quantity, simulated: SimulatedQuantity) -> Verdict | None:
@@ -443,9 +433,7 @@ def _staircase_verdict(quantity: _Quantity, simulated: SimulatedQuantity) -> Ver
         f"{quantity.number(simulated.lower, digits)} to "
         f"{quantity.number(simulated.upper, digits)})."
     )
-    return Verdict(
-        quantity.name, None if simulated.p_value is None else _kept(simulated.p_value), words
-    )
+    return Verdict(quantity.name, _kept(simulated.p_value), words)
 
 
 def _telling_digits(quantity: _Quantity, simulated: SimulatedQuantity) -> int | None:
@@ -469,8 +457,8 @@ def _telling_digits(quantity: _Quantity, simulated: SimulatedQuantity) -> int | 
     return None if low == high and abs(measured - low) <= rounding else quantity.most
 
 
-def _kept(p_value: PValue) -> bool:
-    return p_value.value > LEVEL
+def _kept(p_value: PValue | None) -> bool | None:
+    return None if p_value is None else p_value.value > LEVEL
 
 
 def _tested(p_value: PValue) -> str:

@@ -264,13 +264,18 @@ def slider_controls(
     tables : of `browser_tables`, which tell what the page can compute.
     """
     parts, controls = tables["parts"], []
-    left_out = {*SHAPES} if tables["pressed"] is None else set()
-    left_out |= set() if parts["can_share"] else {*SHARES}
-    left_out |= set() if parts.get("can_frame") else {"inner_share", "rim_share"}
-    left_out |= set() if parts.get("can_corner") else {"corner_share"}
     # The contact curve of a point about corners has no arcs, which a rod rolls along.
     has_arcs = tables["semi_axes"] is not None or values["pusher_radius_mm"] > 0.0
-    left_out |= set() if tables["is_convex"] and has_arcs else {"pusher_radius_mm"}
+    left_out = set[str]()
+    for keys, is_computed in (
+        (SHAPES, tables["pressed"] is not None),
+        (SHARES, parts["can_share"]),
+        (("inner_share", "rim_share"), parts.get("can_frame")),
+        (("corner_share",), parts.get("can_corner")),
+        (("pusher_radius_mm",), tables["is_convex"] and has_arcs),
+    ):
+        if not is_computed:
+            left_out |= {*keys}
     for setting in CONTROLS:
         value = values[setting.key]
         high = max(

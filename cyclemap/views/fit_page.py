@@ -16,7 +16,6 @@ from cyclemap.evidence.laws.measured_cycle_map import (
     MapState,
     MeasuredCycleMap,
     TurnPlace,
-    WornForecast,
 )
 from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.evidence.laws.turn_bins import AngleHistogram, covered_arcs, is_covered
@@ -90,7 +89,8 @@ def _cycle_panels(measured: MeasuredCycleMap | None) -> list[Panel]:
     if (forecast := measured.forecast) is not None:
         histograms = forecast.measured_histogram, forecast.histogram
         panels.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
-        panels.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
+        climb = forecast.run, forecast.measured, (forecast.lower, forecast.upper)
+        panels.append(("Staircase", lambda axes: draw_staircase(axes, *climb)))
         if forecast.pace.measured.size:
             panels.append(("Turns", partial(draw_pace, pace=forecast.pace)))
     return panels
@@ -137,12 +137,6 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram, look: Look = SEEN_
     axes.stairs(histogram.law_alone, edges, label=label, **{**SECOND, "linewidth": 0.9})
     axes.set(xlabel=OUTCOMES["dtheta"][1], ylabel="pushes")
     axes.set_ylim(0.0, 1.08 * min(max(top, alone), 1.5 * top))
-
-
-def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
-    """The measured path, one of the fitted map, and where 95 % of its paths are."""
-    band = forecast.lower, forecast.upper
-    draw_staircase(axes, forecast.run, forecast.measured, band)
 
 
 # Residuals more alike than this make bands and spreads visibly too narrow.

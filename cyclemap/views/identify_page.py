@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import TWO_PI, Array
+from cyclemap.collection.loop_surfaces import Anisotropy
 from cyclemap.evidence.identification.identify import Estimate, Identification
 from cyclemap.evidence.identified_material import (
     CycleFit,
@@ -37,7 +38,7 @@ from cyclemap.views.panels.style import (
     cross,
     picture_style,
 )
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, between
 
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
@@ -218,8 +219,7 @@ def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> st
 
 
 def _size(quantity: Derived, factor: float, decimals: int) -> str:
-    ends = (f"{factor * end:.{decimals}f}" for end in (quantity.lower, quantity.upper))
-    return " to ".join(dict.fromkeys(ends))
+    return between(*(f"{factor * end:.{decimals}f}" for end in (quantity.lower, quantity.upper)))
 
 
 def _way(quantity: Derived | None, words: str) -> str:
@@ -230,12 +230,12 @@ def _way(quantity: Derived | None, words: str) -> str:
         return ", in any direction"
     turns = math.floor((quantity.lower + math.pi) / TWO_PI)
     ends = (angle(end - TWO_PI * turns, 0) for end in (quantity.lower, quantity.upper))
-    return words.format(" to ".join(dict.fromkeys(ends)))
+    return words.format(between(*ends))
 
 
 def _held_words(held: EllipseFriction) -> str:
     ratio = held.mu_a / held.mu_b
-    off = 100.0 * math.hypot(held.m0, held.n0) / math.sqrt(held.mu_a * held.mu_b)
+    off = 100.0 * Anisotropy.of(held).offset
     if ratio < ROUND and off < 100.0 * (ROUND - 1.0):
         return "friction taken as isotropic"
     return f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"

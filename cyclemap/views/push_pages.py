@@ -24,7 +24,6 @@ from cyclemap.evidence.plan_pushes import PushPlan
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.evidence.tables.pose_streams import Segments
-from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
 from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import entitle, grid_of, legend_above, page, rows_of
@@ -63,6 +62,7 @@ from cyclemap.views.sentences import (
     chance,
     counted,
     orientation_and_push,
+    push_angle,
     uncertainty_sentence,
 )
 
@@ -330,8 +330,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     mark_target(axes)
     square_window(axes, axes.dataLim.get_points())
     axes.set(xlabel="x (mm), world", ylabel="y (mm)")
-    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
-    towards = math.degrees(math.atan2(way[1], way[0]))
+    towards = math.degrees(push_angle(loop))
     entitle(axes, f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
 
 

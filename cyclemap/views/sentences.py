@@ -63,17 +63,17 @@ def headline(portrait: Portrait) -> str:
             rests.append(
                 place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time"
             )
-    jumps = [angle(theta) for theta in portrait.gathering_jumps]
     words = [
         f"{how} {listed(places)}"
         for how, places in (("locks into", locked), ("rests at", rests))
         if places
     ]
-    lock = portrait.rotation.locked
-    nowhere = "locks into no direction"
-    if lock is not None and 1 < lock.denominator <= _MOST_IN_TURN:
-        nowhere = f"locks into {lock.denominator} directions in turn"
-    words = words or [f"gathers about {listed(jumps)}" if jumps else nowhere]
+    jumps, lock = [angle(theta) for theta in portrait.gathering_jumps], portrait.rotation.locked
+    if not words and jumps:
+        words = [f"gathers about {listed(jumps)}"]
+    elif not words and lock is not None and 1 < lock.denominator <= _MOST_IN_TURN:
+        words = [f"locks into {lock.denominator} directions in turn"]
+    words = words or ["locks into no direction"]
     verdict = f"{portrait.loop.material.name} {' and '.join(words)}"
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
         verdict += f" (locked in {known.chance:.0%} of what its data allow)"
@@ -90,9 +90,14 @@ def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) 
     >>> orientation_and_push(math.radians(63.2), CollectionLoop.mit())
     'orientation 63.2°, pushed towards −26.8°'
     """
-    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
-    towards = math.remainder(theta + math.atan2(way[1], way[0]), TWO_PI)
+    towards = math.remainder(theta + push_angle(loop), TWO_PI)
     return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
+
+
+def push_angle(loop: CollectionLoop) -> float:
+    """The direction of the push in the object's frame, rad."""
+    x, y = first_contact(loop.slider, loop.push, loop.pusher.radius)[1].tolist()
+    return math.atan2(y, x)
 
 
 def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
@@ -100,11 +105,7 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     if known is None:
         return ""
     if not known.is_posterior:
-        ends = [
-            (angle(interval.lower, 0), angle(interval.upper % TWO_PI, 0))
-            for interval in known.directions
-        ]
-        intervals = [" to ".join(dict.fromkeys(pair)) for pair in ends]
+        intervals = [_arc(interval) for interval in known.directions]
         where = f", the stable direction at {listed(intervals)}" if intervals else ""
         many = (
             "neither surface locks in",
@@ -122,8 +123,7 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
         if known.has_interval(direction):
             intervals.append(f"{_ends(direction)} (in {direction.share:.0%} of samples)")
         elif count:
-            both = dict.fromkeys((angle(direction.lower, 0), angle(direction.upper % TWO_PI, 0)))
-            few.append(f"{count} at {' to '.join(both)}")
+            few.append(f"{count} at {_arc(direction)}")
     places = [f"95 % of them at {listed(intervals)}"] if intervals else []
     places += [f"only {listed(few)}"] if few else []
     of = f"{known.locks} of {known.samples} samples {'has' if known.locks == 1 else 'have'}"
@@ -160,16 +160,16 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
 
 def _ends(interval: DirectionInterval) -> str:
     """Where an interval begins and ends; one of more than half a turn tells no direction."""
-    low = interval.lower
-    high = interval.upper
+    low, high, decimals = interval.lower, interval.upper, _decimals(interval)
     if high - low > math.pi:
         return "any direction"
-    decimals = _decimals(interval)
-    ends = (
-        angle(low, decimals),
-        angle(high % TWO_PI if high > TWO_PI else high, decimals),
-    )
-    return " to ".join(dict.fromkeys(ends))
+    end = high % TWO_PI if high > TWO_PI else high
+    return between(angle(low, decimals), angle(end, decimals))
+
+
+def _arc(interval: DirectionInterval) -> str:
+    """An interval on the circle in whole degrees."""
+    return between(angle(interval.lower, 0), angle(interval.upper % TWO_PI, 0))
 
 
 def _decimals(interval: DirectionInterval) -> int:
@@ -310,8 +310,7 @@ def lock_sentence(portrait: Portrait) -> str:
         if value
         else "over many cycles it gets nowhere"
     )
-    least, most = angle(turns.min_turn), angle(turns.max_turn)
-    turned = least if least == most else f"{least} to {most}"
+    turned = between(angle(turns.min_turn), angle(turns.max_turn))
     return f"Without noise a cycle turns the object by {turned}; {pace}."
 
 
@@ -470,6 +469,15 @@ def rounded(value: float, decimals: int) -> str:
     ('−1.2', '0.00')
     """
     return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")
+
+
+def between(low: str, high: str) -> str:
+    """Both ends of a range, or the one that they read as.
+
+    >>> between("1°", "2°"), between("1°", "1°")
+    ('1° to 2°', '1°')
+    """
+    return low if low == high else f"{low} to {high}"
 
 
 def chance(share: float) -> str:

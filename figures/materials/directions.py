@@ -9,7 +9,6 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
@@ -28,14 +27,15 @@ from cyclemap.views.panels.style import LINE, SECOND, THIRD, name_tag
 from cyclemap.views.sentences import angle, listed
 
 from ..catalogue import Exhibit, MeasuredFolder
-from .paper_pushes import measured_theta0, not_found
-from .simulated_collections import (
+from .repeated_pushes import (
     NOISE,
     PAPER,
     STANDS_FOR,
     SampledRun,
     Sampling,
-    draw_materials,
+    draw_each,
+    measured_theta0,
+    not_found,
     sampled_run,
 )
 
@@ -104,15 +104,8 @@ def theta0_histograms(
         theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
         recorded = None if theta0 is None else angle_histogram(theta0)
         simulated = angle_histogram(run.pushes.theta)
-        panels.append(MaterialDirections(run, simulated, *run.density(CIRCLE), theta0, recorded))
+        panels.append(MaterialDirections(run, simulated, *run.density, theta0, recorded))
     return tuple(panels)
-
-
-def draw_theta0_histograms(result: tuple[MaterialDirections, ...]) -> Figure:
-    """Draw a panel a material."""
-    return draw_materials(
-        [(panel.run.surface, partial(_draw_directions, panel=panel)) for panel in result]
-    )
 
 
 def _draw_directions(axes: Axes, panel: MaterialDirections) -> None:
@@ -261,14 +254,8 @@ def climb_of(path: Array, level: float) -> Climb:
     return Climb(path, find_steps(path), turns, np.diff(full_turns(path, level)), stay)
 
 
-def draw_staircases(result: tuple[MaterialStaircase, ...]) -> Figure:
-    """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials(
-        [(panel.run.surface, partial(_draw_climb, panel=panel)) for panel in result]
-    )
-
-
 def _draw_climb(axes: Axes, panel: MaterialStaircase) -> None:
+    """Measured and predicted together where there is a measured path."""
     recorded = None if panel.recorded is None else panel.recorded.path
     draw_staircase(axes, panel.climb.path, recorded, (panel.lower, panel.upper), "push")
 
@@ -335,6 +322,8 @@ def _signed(turns: float) -> str:
 
 
 EXHIBITS = {
-    "theta0-histograms": Exhibit(theta0_histograms, histogram_caption, draw_theta0_histograms),
-    "staircases": Exhibit(staircases, staircase_caption, draw_staircases),
+    "theta0-histograms": Exhibit(
+        theta0_histograms, histogram_caption, partial(draw_each, _draw_directions)
+    ),
+    "staircases": Exhibit(staircases, staircase_caption, partial(draw_each, _draw_climb)),
 }

@@ -19,15 +19,17 @@ from cyclemap.mechanics import EllipseFriction, load_material
 from cyclemap.views.sentences import angle, listed
 
 from ..catalogue import Exhibit, MeasuredFolder
-from .paper_pushes import PUBLISHED_CYCLES, measured_scans, not_found
-from .simulated_collections import (
+from .repeated_pushes import (
     PAPER,
+    PUBLISHED_CYCLES,
     QUANTITIES,
     SIMULATED,
     MaterialPushes,
     Sampling,
     fitted_laws,
     material_pushes,
+    measured_scans,
+    not_found,
 )
 
 FRICTION_HEADER = (
@@ -166,12 +168,15 @@ def friction_caption(result: FrictionEllipses) -> str:
     return " ".join(filter(None, sentences))
 
 
-_SPREADS = [
-    word
-    for name, unit, _ in QUANTITIES
-    for word in (f"{name} mean ({unit})", f"std ({unit})", "% of mean")
-]
-DEVIATION_HEADER = ("material", "source", "pushes", *_SPREADS)
+def _header(*columns: str) -> tuple[str, ...]:
+    """The header of a table of pushes, with columns for each quantity."""
+    words = ["material", "source", "pushes"]
+    for name, unit, _ in QUANTITIES:
+        words += [column.format(name=name, unit=unit) for column in columns]
+    return tuple(words)
+
+
+DEVIATION_HEADER = _header("{name} mean ({unit})", "std ({unit})", "% of mean")
 
 
 def _spread(pushes: PushSet) -> tuple[int, Array]:
@@ -232,12 +237,7 @@ def _not_recorded(materials: list[MaterialPushes]) -> str:
     return not_found("pushes", absent)
 
 
-_ERRORS = [
-    word
-    for name, unit, _ in QUANTITIES
-    for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")
-]
-LAW_ERROR_HEADER = ("material", "source", "pushes", *_ERRORS)
+LAW_ERROR_HEADER = _header("{name} RMSE ({unit})", "% of mean", "harmonics")
 # A material's pushes, and of each of its sets source and laws.
 LawErrors = list[tuple[MaterialPushes, list[tuple[str, tuple[MotionLaw, ...]]]]]
 

@@ -35,15 +35,19 @@ from cyclemap.views.panels.style import FORCE, cross, picture_style, show_window
 from cyclemap.views.sentences import angle, listed
 
 from ..catalogue import Exhibit, MeasuredFolder
-from .paper_pushes import (
-    measured_run,
+from .repeated_pushes import (
+    NOISE,
+    PAPER,
+    STANDS_FOR,
+    Sampling,
     measured_theta0,
     not_found,
     published_statistics,
     push_file_names,
     readable_pushes,
+    recorded_set,
+    sampled_run,
 )
-from .simulated_collections import NOISE, PAPER, STANDS_FOR, Sampling, sampled_run
 
 DRAWN = 250
 RECORDED, MEASURED_THETA0, SIMULATED = "recorded", "from measured θ0", "simulated"
@@ -110,7 +114,7 @@ def paths_on_four_surfaces(
 
     sampling : of a simulated run.
     drawn : how many of all these pushes, at equal distances. Recorded pushes are looked for by the
-        names of the MIT dataset, as `measured_run` does, θ0 as `measured_theta0` does.
+        names of the MIT dataset, as `recorded_set` does, θ0 as `measured_theta0` does.
     """
     return [
         recorded_paths(measured, surface, drawn)
@@ -124,23 +128,21 @@ def recorded_paths(
     measured: MeasuredFolder, surface: str, drawn: int = DRAWN
 ) -> PushedPaths | None:
     """Return paths of `drawn` of the recorded pushes on `surface`, evenly chosen; None where
-    `measured_run` finds none.
+    `recorded_set` finds none.
 
     Of the files chosen those that cannot be read are left out.
     orientations : those of all the recorded pushes.
     """
-    run = measured_run(measured, surface)
-    if run is None:
+    pushes = recorded_set(measured, surface)
+    if pushes is None:
         return None
     # A folder may hold others than the set, too: their names say other things than all of its
     # pushes share.
-    shared = run.pushes.facts.items()
-    named = [(path, push_facts(path)) for path in push_file_names(run.pushes.source)]
-    files = [
-        path
-        for path, facts in named
-        if all(getattr(facts, name) == value for name, value in shared)
-    ]
+    files = []
+    for path in push_file_names(pushes.source):
+        facts = push_facts(path)
+        if all(getattr(facts, name) == value for name, value in pushes.facts.items()):
+            files.append(path)
     records, _ = readable_pushes(files[index] for index in evenly_spread(len(files), drawn))
     courses = []
     for _, record in records:
@@ -150,7 +152,7 @@ def recorded_paths(
         courses.append(along_way(np.linspace(clock[0], clock[-1], STATIONS), clock, pose))
     poses = np.array(courses)
     poses[..., :2] -= MIT_TARGET
-    return PushedPaths(surface, "", RECORDED, poses, run.pushes.theta)
+    return PushedPaths(surface, "", RECORDED, poses, pushes.theta)
 
 
 def paths_from_measured_theta0(
@@ -251,10 +253,9 @@ def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) ->
 
 def material_sentence(surfaces: list[PushedPaths]) -> str:
     """What is recorded, what was simulated in its stead, and why plywood stands as it does."""
-    by_origin = {
-        origin: [paths for paths in surfaces if paths.origin == origin] for origin in ORIGINS
-    }
-    recorded, started, simulated = by_origin.values()
+    recorded, started, simulated = (
+        [paths for paths in surfaces if paths.origin == origin] for origin in ORIGINS
+    )
     words = [f"Recorded pushes: {listed(paths.surface for paths in recorded)}."] if recorded else []
     words.append(not_found("pushes", [paths.surface for paths in (*started, *simulated)]))
     for paths in started:

@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.evidence import TurnHistogram, turn_histogram
+from cyclemap.evidence import PushSet, TurnHistogram, turn_histogram
 from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_motion_law, draw_turn_histogram
+from cyclemap.views.panels.layout import Panel
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
@@ -27,16 +28,19 @@ from cyclemap.views.panels.style import FOURTH, SECOND, say
 from cyclemap.views.sentences import angle, listed
 
 from ..catalogue import Exhibit, MeasuredFolder
-from .paper_pushes import MeasuredRun, measured_run, measured_theta0, not_found
-from .simulated_collections import (
+from .repeated_pushes import (
     PAPER,
     SIMULATED_BARS,
     SIMULATED_DOTS,
     STANDS_FOR,
     SampledRun,
     Sampling,
+    draw_each,
     draw_materials,
     fitted_laws,
+    measured_theta0,
+    not_found,
+    recorded_set,
     sampled_run,
 )
 
@@ -59,7 +63,7 @@ class MaterialTurns:
     """
 
     run: SampledRun
-    measured: MeasuredRun | None
+    measured: PushSet | None
     law: MotionLaw
     simulated_law: MotionLaw
     curves: Array
@@ -86,9 +90,9 @@ def turns_over_theta0(
     """Simulate pushes on each material, look for recorded ones, and fit the law of Δθ to both."""
     panels = []
     for surface, material in STANDS_FOR.items():
-        recorded, run = measured_run(measured, surface), sampled_run(material, sampling)
+        recorded, run = recorded_set(measured, surface), sampled_run(material, sampling)
         simulated = fitted_laws(run.pushes)[0]
-        law = simulated if recorded is None else fitted_laws(recorded.pushes)[0]
+        law = simulated if recorded is None else fitted_laws(recorded)[0]
         shown = run.states[:: max(len(run.states) - 1, 1)]
         curves = np.array([state.motion(CIRCLE)[:, 0] for state in shown])
         arc = shortest_arc(run.pushes.theta, MOST)
@@ -99,13 +103,6 @@ def turns_over_theta0(
         )
         panels.append(MaterialTurns(run, recorded, law, simulated, curves, arc, miss))
     return tuple(panels)
-
-
-def draw_turns_over_theta0(result: tuple[MaterialTurns, ...]) -> Figure:
-    """Draw a panel a material."""
-    return draw_materials(
-        [(panel.run.surface, partial(_draw_turns, panel=panel)) for panel in result]
-    )
 
 
 def _draw_turns(axes: Axes, panel: MaterialTurns) -> None:
@@ -128,7 +125,7 @@ def turn_caption(result: tuple[MaterialTurns, ...]) -> str:
     """What is drawn, and how far each law and each range of directions goes."""
     count = result[0].run.pushes.count
     recorded = [
-        f"{panel.run.surface} ({panel.measured.pushes.count} pushes, law within "
+        f"{panel.run.surface} ({panel.measured.count} pushes, law within "
         f"{angle(panel.law.law.rmse, 2)} RMS)"
         for panel in result
         if panel.measured is not None and panel.law.law is not None
@@ -187,61 +184,41 @@ class TurnPanel:
     histogram: TurnHistogram | None
 
 
-@dataclass(frozen=True, eq=False)
-class TurnHistograms:
-    """A panel a material, and those of whole cycles where only θ0 was recorded.
-
-    absent : without recorded pushes.
-    """
-
-    panels: tuple[TurnPanel, ...]
-    absent: tuple[str, ...]
-
-
 def turn_histograms(
     measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS
-) -> TurnHistograms:
+) -> tuple[TurnPanel, ...]:
     """Fit the law of Δθ to recorded pushes, else to simulated ones, and let it predict their
-    histogram.
+    histogram: a panel a material, and those of whole cycles where only θ0 was recorded.
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.
     """
-    laws, cycle_laws, absent = [], [], []
+    laws, cycle_laws = [], []
     for surface, material in STANDS_FOR.items():
-        run = measured_run(measured, surface)
-        shown = sampled_run(material, sampling).pushes if run is None else run.pushes
-        laws.append((surface, run is not None, False, fitted_laws(shown)[0]))
-        if run is None:
-            absent.append(surface)
-            pairs = measured_theta0(measured, surface)
-            if pairs is not None:
-                # θ0 was recorded without its pushes: whole cycles are at hand.
-                cycle_laws.append(
-                    (surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn))
-                )
+        recorded = recorded_set(measured, surface)
+        shown = sampled_run(material, sampling).pushes if recorded is None else recorded
+        laws.append((surface, recorded is not None, False, fitted_laws(shown)[0]))
+        pairs = measured_theta0(measured, surface)
+        if recorded is None and pairs is not None:
+            # θ0 was recorded without its pushes: whole cycles are at hand.
+            law = motion_law("dtheta", pairs.theta, pairs.turn)
+            cycle_laws.append((surface, True, True, law))
     panels = []
-    for surface, recorded, whole, law in laws + cycle_laws:
+    for surface, is_recorded, whole, law in laws + cycle_laws:
         bins = CYCLE_BINS if whole else PUSH_BINS
-        known = (
-            None
-            if law.law is None
-            else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
-        )
-        panels.append(TurnPanel(surface, recorded, whole, law, known))
-    return TurnHistograms(tuple(panels), tuple(absent))
+        known = None
+        if law.law is not None:
+            known = turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
+        panels.append(TurnPanel(surface, is_recorded, whole, law, known))
+    return tuple(panels)
 
 
-def draw_turn_histograms(result: TurnHistograms) -> Figure:
+def draw_turn_histograms(result: tuple[TurnPanel, ...]) -> Figure:
     """Draw the panels."""
-    return draw_materials(
-        [
-            (
-                f"{panel.surface}{', cycle' * panel.whole_cycle}",
-                partial(_draw_histogram, panel=panel),
-            )
-            for panel in result.panels
-        ]
-    )
+    panels: list[Panel] = []
+    for panel in result:
+        title = f"{panel.surface}{', cycle' * panel.whole_cycle}"
+        panels.append((title, partial(_draw_histogram, panel=panel)))
+    return draw_materials(panels)
 
 
 def _draw_histogram(axes: Axes, panel: TurnPanel) -> None:
@@ -257,14 +234,14 @@ def _draw_histogram(axes: Axes, panel: TurnPanel) -> None:
     axes.set_xlabel(whole if panel.whole_cycle else OUTCOMES["dtheta"][1])
 
 
-def histogram_caption(result: TurnHistograms) -> str:
+def histogram_caption(result: tuple[TurnPanel, ...]) -> str:
     """What is drawn, and how far the law's histogram is from what was recorded or simulated."""
     sentences = [
         "Histogram of the turn of each push, and the one that the fitted law predicts from the "
         "same θ0, with its scatter and, as the paper drew it, alone. Simulated plywood is "
         "plywood-measured, which wears.",
-        *[_histogram_sentence(panel) for panel in result.panels],
-        not_found("pushes", result.absent),
+        *[_histogram_sentence(panel) for panel in result],
+        not_found("pushes", [panel.surface for panel in result if not panel.recorded]),
     ]
     return " ".join(filter(None, sentences))
 
@@ -289,6 +266,6 @@ def _histogram_sentence(panel: TurnPanel) -> str:
 
 
 EXHIBITS = {
-    "turn-over-theta0": Exhibit(turns_over_theta0, turn_caption, draw_turns_over_theta0),
+    "turn-over-theta0": Exhibit(turns_over_theta0, turn_caption, partial(draw_each, _draw_turns)),
     "turn-histograms": Exhibit(turn_histograms, histogram_caption, draw_turn_histograms),
 }

@@ -10,17 +10,8 @@ import re
 import pytest
 
 # In numpydoc's order.
-SECTIONS = (
-    "Parameters",
-    "Attributes",
-    "Returns",
-    "Raises",
-    "Warns",
-    "See Also",
-    "Notes",
-    "References",
-    "Examples",
-)
+SECTIONS = ("Parameters", "Attributes", "Returns", "Raises", "Warns")
+SECTIONS += ("See Also", "Notes", "References", "Examples")
 ROOMS = ("mechanics", "maps", "collection", "protocol", "evidence", "resets", "sweeps")
 PACKAGES = ("cyclemap", *(f"cyclemap.{room}" for room in ROOMS))
 
@@ -78,9 +69,8 @@ def test_sections_are_numpys_and_in_their_order(thing: object) -> None:
 def test_every_parameter_has_an_entry(thing: object) -> None:
     """What a result is made of stands among its attributes."""
     sections = sections_of(thing)
-    entries = entries_of(sections.get("Parameters", "")) | entries_of(
-        sections.get("Attributes", "")
-    )
+    told = [sections.get(name, "") for name in ("Parameters", "Attributes")]
+    entries = entries_of(told[0]) | entries_of(told[1])
     assert parameters_of(thing) <= {entry.lstrip("*") for entry in entries}
 
 

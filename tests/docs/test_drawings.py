@@ -32,17 +32,8 @@ def test_frames_angles_sides_and_displacements_are_named(conventions):
         drawing = conventions.draw()
     assert_words_apart(drawing)
     words = " ".join(text.get_text() for text in words_of_figure(drawing))
-    named = (
-        r"\theta_0",
-        r"\Delta\theta",
-        r"\Delta x",
-        r"\Delta y",
-        r"\phi",
-        "side 0",
-        "side 3",
-        "fraction 0.7",
-        "ring",
-    )
+    named = [r"\theta_0", r"\Delta\theta", r"\Delta x", r"\Delta y", r"\phi"]
+    named += ["side 0", "side 3", "fraction 0.7", "ring"]
     assert [name for name in named if name not in words] == []
 
 

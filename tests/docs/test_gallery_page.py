@@ -12,19 +12,15 @@ import pytest
 from PIL import Image
 
 EXTENSIONS = Path(__file__).parents[2] / "docs" / "_extensions"
-MOVING = {
-    "name": "moving",
-    "title": "It moves",
-    "source": "not in the paper",
-    "caption": "Round and round.",
-}
-PICTURE = {
-    "name": "first-look",
-    "title": "A first look",
-    "source": "figure 1",
-    "caption": "It shows 3 mm.",
-}
-TABLE = {"name": "numbers", "title": "Some numbers", "source": "Table I", "caption": "Two rows."}
+KEYS = ("name", "title", "source", "caption")
+
+
+def entry(*words, file, measured=None):
+    return dict(zip(KEYS, words, strict=True)) | {"file": file, "measured": measured}
+
+
+MOVING = ("It moves", "not in the paper", "Round and round.")
+PICTURE = ("first-look", "A first look", "figure 1", "It shows 3 mm.")
 
 
 @pytest.fixture
@@ -32,20 +28,15 @@ def sources(tmp_path) -> Path:
     """A site of one page with the gallery, and one with a single picture."""
     folder = tmp_path / "source"
     (folder / "gallery").mkdir(parents=True)
-    conf = (
-        f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = "
-        "['gallery']\nhtml_theme = 'basic'\n"
-    )
-    (folder / "conf.py").write_text(conf, encoding="utf-8")
+    conf = f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\n"
+    (folder / "conf.py").write_text(f"{conf}extensions = ['gallery']\nhtml_theme = 'basic'\n")
     page = "Gallery\n=======\n\n.. gallery-picture:: moving.gif\n\n.. gallery::\n"
-    (folder / "index.rst").write_text(page, encoding="utf-8")
+    (folder / "index.rst").write_text(page)
     return folder
 
 
 def listed(folder: Path, *lines: dict) -> None:
-    (folder / "gallery" / "figures.json").write_text(
-        json.dumps({"figures": lines}), encoding="utf-8"
-    )
+    (folder / "gallery" / "figures.json").write_text(json.dumps({"figures": lines}))
 
 
 def told(page: str) -> str:
@@ -68,15 +59,13 @@ def test_what_is_there_is_shown_with_source_caption_and_anchor_and_what_is_lost_
 ):
     Image.new("RGB", (4, 4)).save(sources / "gallery" / "first-look.png")
     Image.new("RGB", (4, 4)).save(sources / "gallery" / "moving.gif")
-    (sources / "gallery" / "numbers.csv").write_text(
-        'surface,mean\nplywood,"0.25"\n', encoding="utf-8"
-    )
+    (sources / "gallery" / "numbers.csv").write_text('surface,mean\nplywood,"0.25"\n')
     listed(
         sources,
-        {**PICTURE, "file": "first-look.png", "measured": "turns.csv"},
-        {**TABLE, "file": "numbers.csv", "measured": None},
-        {**MOVING, "file": "moving.gif", "measured": None},
-        {**MOVING, "name": "lost", "file": "lost.png", "measured": None},
+        entry(*PICTURE, file="first-look.png", measured="turns.csv"),
+        entry("numbers", "Some numbers", "Table I", "Two rows.", file="numbers.csv"),
+        entry("moving", *MOVING, file="moving.gif"),
+        entry("lost", *MOVING, file="lost.png"),
     )
     page, words = built(sources)
     assert words.count("WARNING") == 1 and "names lost.png, which is not there" in words

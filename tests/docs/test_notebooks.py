@@ -14,11 +14,8 @@ def test_a_notebook_runs_and_draws(path: Path, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     pyplot = pytest.importorskip("matplotlib.pyplot")
     names: dict[str, object] = {"__name__": "__main__"}
-    cells = [
-        cell
-        for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]
-        if cell["cell_type"] == "code"
-    ]
+    written = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    cells = [cell for cell in written if cell["cell_type"] == "code"]
     assert len(cells) >= 3
     for number, cell in enumerate(cells):
         assert cell["outputs"] == [], "notebooks are kept without outputs"

@@ -35,12 +35,9 @@ def test_the_guide_shows_the_table_of_every_setting() -> None:
 
 
 def test_the_page_of_materials_tells_every_built_in_one() -> None:
-    rows = re.findall(
-        r"^\| (`.*`) \| ", words("materials.md").split("## A file of your own")[0], re.MULTILINE
-    )
-    assert {name for row in rows for name in re.findall(r"`([\w-]+)`", row)} == set(
-        material_names()
-    )
+    table = words("materials.md").split("## A file of your own")[0]
+    rows = re.findall(r"^\| (`.*`) \| ", table, re.MULTILINE)
+    assert {*re.findall(r"`([\w-]+)`", " ".join(rows))} == {*material_names()}
 
 
 def test_every_function_in_the_table_of_rooms_exists() -> None:
@@ -56,20 +53,15 @@ def test_every_function_in_the_table_of_rooms_exists() -> None:
 
 
 def test_every_key_of_a_strategy_is_in_the_guide_and_nothing_else_is() -> None:
-    section = (
-        words("how-to/own-protocol.md").split("\n## Cycles that differ\n")[1].split("\n## ")[0]
-    )
-    rows = [line for line in section.splitlines() if line.startswith("| `")]
-    found = {key for line in rows for key in re.findall(r"`([\w-]+)`", line.split("|")[1])}
+    _, section = words("how-to/own-protocol.md").split("\n## Cycles that differ\n")
+    lines = section.split("\n## ")[0].splitlines()
+    keys = " ".join(line.split("|")[1] for line in lines if line.startswith("| `"))
+    found = {*re.findall(r"`([\w-]+)`", keys)}
     assert found == {*STRATEGY_KEYS, *ACTION_KEYS}
 
 
 def test_every_command_is_named_where_its_use_is_shown() -> None:
-    guides = [
-        *(DOCS / "how-to").glob("*.md"),
-        *(DOCS / "concepts").glob("*.md"),
-        DOCS / "quick-start.md",
-    ]
+    guides = [*DOCS.glob("how-to/*.md"), *DOCS.glob("concepts/*.md"), DOCS / "quick-start.md"]
     text = " ".join(page.read_text(encoding="utf-8") for page in guides)
     assert len(cli.commands) >= 8
     assert [name for name in cli.commands if f"cyclemap {name}" not in text] == []

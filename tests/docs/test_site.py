@@ -48,27 +48,12 @@ class PageReader(HTMLParser):
 def site(tmp_path_factory) -> Path:
     """The site, built as `python3 run.py docs` does, but elsewhere; Sphinx has nothing to say."""
     folder = tmp_path_factory.mktemp("site")
-    command = [
-        sys.executable,
-        "-m",
-        "sphinx",
-        "-W",
-        "--keep-going",
-        "-q",
-        "-E",
-        "-d",
-        str(folder / "doctrees"),
-    ]
+    options = ["-W", "--keep-going", "-q", "-E", "-d", str(folder / "doctrees")]
+    command = [sys.executable, "-m", "sphinx", *options, str(DOCS), str(folder / "html")]
     # Nothing listens at this address: a build that asks the network for something fails.
     blocked = dict.fromkeys(("https_proxy", "http_proxy", "all_proxy"), "127.0.0.1:9")
-    done = subprocess.run(
-        [*command, str(DOCS), str(folder / "html")],
-        cwd=DOCS.parent,
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, **blocked, "OPENBLAS_NUM_THREADS": "1"},
-    )
+    env = {**os.environ, **blocked, "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, env=env)
     assert (done.returncode, done.stderr) == (0, ""), f"the site does not build:\n{done.stderr}"
     return folder / "html"
 
@@ -76,9 +61,8 @@ def site(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def pages(site) -> dict[Path, PageReader]:
     """Every page, read."""
-    return {
-        path: PageReader(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))
-    }
+    found = sorted(site.rglob("*.html"))
+    return {path: PageReader(path.read_text(encoding="utf-8")) for path in found}
 
 
 def inside(pages: dict[Path, PageReader]) -> Iterator[tuple[Path, str, Path, str]]:
@@ -92,18 +76,11 @@ def inside(pages: dict[Path, PageReader]) -> Iterator[tuple[Path, str, Path, str
 
 
 def test_every_source_page_is_built(pages, site):
-    sources = [path for path in DOCS.rglob("*") if path.suffix in {".md", ".rst"}]
-    wanted = {
-        path.relative_to(DOCS).with_suffix(".html") for path in sources if not is_left_out(path)
-    }
+    left_out = {"_build", "_extensions", "_figures", "gallery"}
+    sources = [path.relative_to(DOCS) for path in DOCS.rglob("*") if path.suffix in {".md", ".rst"}]
+    wanted = {path.with_suffix(".html") for path in sources if not left_out & {*path.parts[:-1]}}
     assert len(wanted) >= 30
     assert wanted <= {page.relative_to(site) for page in pages}
-
-
-def is_left_out(path: Path) -> bool:
-    return bool(
-        {"_build", "_extensions", "_figures", "gallery"} & set(path.relative_to(DOCS).parts[:-1])
-    )
 
 
 def test_every_link_anchor_picture_and_file_inside_the_site_is_there(pages):
@@ -111,14 +88,9 @@ def test_every_link_anchor_picture_and_file_inside_the_site_is_there(pages):
     assert len(checked) > 2000
     lost = {(page.name, reference) for page, reference, target, _ in checked if not target.exists()}
     assert lost == set()
-    anchored = [one for one in checked if one[3] and one[2] in pages]
+    anchored = [row for row in checked if row[3] and row[2] in pages]
     assert len(anchored) > 1000
-    astray = {
-        (page.name, reference)
-        for page, reference, target, name in anchored
-        if name not in pages[target].anchors
-    }
-    assert astray == set()
+    assert [row for row in anchored if row[3] not in pages[row[2]].anchors] == []
 
 
 def test_pages_and_style_sheets_load_nothing_from_elsewhere(pages, site):
@@ -127,13 +99,9 @@ def test_pages_and_style_sheets_load_nothing_from_elsewhere(pages, site):
     # What a page carries in itself is from nowhere else.
     asked = [urlsplit(reference) for reference in loads if not reference.startswith("data:")]
     assert [reference for reference in asked if reference.scheme or reference.netloc] == []
-    sheets = {sheet.name: sheet.read_text(encoding="utf-8") for sheet in site.rglob("*.css")}
+    sheets, elsewhere = list(site.rglob("*.css")), r"(?:@import|url\()\s*['\"]?(?:https?:)?//"
     assert len(sheets) >= 3
-    assert [
-        name
-        for name, text in sheets.items()
-        if re.search(r"(?:@import|url\()\s*['\"]?(?:https?:)?//", text)
-    ] == []
+    assert [sheet for sheet in sheets if re.search(elsewhere, sheet.read_text("utf-8"))] == []
 
 
 def test_every_public_name_and_command_is_in_the_reference(pages):
@@ -142,11 +110,8 @@ def test_every_public_name_and_command_is_in_the_reference(pages):
     assert len(rooms) == 8
     paths = {f"cyclemap.{name}" for name in cm.__all__ if name not in rooms}
     for room in rooms - {"views"}:
-        paths |= {
-            f"cyclemap.{room}.{name}"
-            for name in getattr(cm, room).__all__
-            if name not in cm.__all__
-        }
+        own = {*getattr(cm, room).__all__} - {*cm.__all__}
+        paths |= {f"cyclemap.{room}.{name}" for name in own}
     assert len(paths) > 250
     assert len(cli.commands) >= 8
     assert sorted((paths | {f"cyclemap-{name}" for name in cli.commands}) - anchors) == []
@@ -159,9 +124,7 @@ def test_a_name_has_a_page_of_its_own_and_its_room_leads_to_it_in_the_rooms_orde
         wanted = [name for names in told for name in names.split(", ")]
         page = site / "reference" / "api" / f"{room}.html"
         links = [link.partition("#")[0] for link in pages[page].links if link.startswith("names/")]
-        shown = [
-            link.removeprefix("names/").removesuffix(".html").rpartition(".")[2] for link in links
-        ]
+        shown = [link.removesuffix(".html").rpartition(".")[2] for link in links]
         assert [name for name in dict.fromkeys(shown) if name in wanted] == wanted
         assert all((page.parent / link).is_file() for link in links)
 
@@ -170,10 +133,8 @@ def test_formulas_are_well_formed_and_no_role_or_formula_comes_through_as_text(s
     formulas = []
     for page in site.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
-        formulas += [
-            ElementTree.fromstring(one)
-            for one in re.findall(r"<math .*?</math>", text, flags=re.DOTALL)
-        ]
+        written = re.findall(r"<math .*?</math>", text, flags=re.DOTALL)
+        formulas += [ElementTree.fromstring(formula) for formula in written]
         words = re.sub(r"<(script|pre|style)\b.*?</\1>|<[^>]+>", " ", text, flags=re.DOTALL)
         assert not re.search(r":py:\w+:|\{py:|\{doc\}|\$\$|``", words), page
     assert len(formulas) > 100 and all(formula.tag.endswith("math") for formula in formulas)

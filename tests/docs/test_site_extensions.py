@@ -22,11 +22,8 @@ NAMESPACE = "{http://www.w3.org/1998/Math/MathML}"
     ],
 )
 def test_formulas_become_the_mathml_that_they_mean(latex: str, tags: set[str]) -> None:
-    found = {
-        element.tag.removeprefix(NAMESPACE)
-        for element in ElementTree.fromstring(mathml(latex, True)).iter()
-    }
-    assert tags <= found
+    elements = ElementTree.fromstring(mathml(latex, True)).iter()
+    assert tags <= {element.tag.removeprefix(NAMESPACE) for element in elements}
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ def test_an_unknown_name_is_refused_with_the_nearest() -> None:
 def test_the_catalogue_imports_no_exhibit_and_no_matplotlib() -> None:
     code = (
         "import sys; from cyclemap.figures.catalogue import entries; entries();assert "
-        "'cyclemap.figures.saddle_node' not in sys.modules; print('matplotlib' in sys.modules)"
+        "'cyclemap.figures.ring_distance' not in sys.modules; print('matplotlib' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

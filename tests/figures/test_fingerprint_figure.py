@@ -6,14 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from figure_cases import exhibited
 
 from cyclemap.figures import fingerprint as figure
 
-NAME = "fingerprint"
+result = exhibited("fingerprint")
 
 
 def test_the_predicted_direction_lies_within_the_error_it_states(result) -> None:
-    (stable,) = (one for one in result.checked.directions if one.predicted.stable)
+    (stable,) = (found for found in result.checked.directions if found.predicted.stable)
     assert stable.within_error
     assert math.degrees(stable.full.points[0]) == pytest.approx(63.168, abs=0.02)
 
@@ -23,8 +24,7 @@ def test_the_error_of_the_turn_is_of_second_order_and_that_of_the_direction_of_f
 ) -> None:
     assert figure.order(result.scales, result.turn_error) == pytest.approx(2.0, abs=0.1)
     assert figure.order(result.scales, result.direction_error) == pytest.approx(1.0, abs=0.05)
-    small = result.scales <= figure.ASYMPTOTIC
-    assert np.count_nonzero(small) == 3
+    assert np.count_nonzero(result.scales <= figure.ASYMPTOTIC) == 3
     assert np.all(result.second_turn_error < result.turn_error)
 
 
@@ -32,12 +32,7 @@ def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_in
     result,
 ) -> None:
     found = result.prediction.fingerprint.cycle
-    expected = [
-        [found.turn / found.offset_amplitude, 0.0],
-        [0.0, found.turn / found.ellipse_amplitude],
-    ]
-    assert result.predicted_edge == pytest.approx(np.array(expected), abs=1e-12)
-    shares = np.linalg.norm(result.full_edge, axis=1) / np.linalg.norm(
-        result.predicted_edge, axis=1
-    )
+    expected = np.diag(found.turn / np.array([found.offset_amplitude, found.ellipse_amplitude]))
+    assert result.predicted_edge == pytest.approx(expected, abs=1e-12)
+    shares = np.diag(result.full_edge) / np.diag(expected)
     assert np.all((shares > 0.8) & (shares < 1.0))

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from figure_cases import NOWHERE
+from figure_cases import NOWHERE, exhibited
 from PIL import Image
 from refusals import refused
 
@@ -18,7 +18,7 @@ from cyclemap.figures import locking_in
 from cyclemap.figures.catalogue import Frame
 from cyclemap.figures.locking_in import animated_gif
 
-NAME = "locking-in"
+result = exhibited("locking-in")
 
 
 def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_brings_it_nearer(
@@ -33,9 +33,8 @@ def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_br
 
 def test_there_is_a_picture_for_every_moment_that_was_asked_for(result) -> None:
     assert len(result.moments) == 5 + 4 + (result.cycles - 2)
-    assert [moment.cycle for moment in result.moments] == sorted(
-        moment.cycle for moment in result.moments
-    )
+    cycles = [moment.cycle for moment in result.moments]
+    assert cycles == sorted(cycles)
     assert result.moments[-1].seconds > 1.0
 
 
@@ -56,9 +55,8 @@ def test_every_moment_is_a_frame_that_differs_from_the_one_before_it(result) -> 
     frames = list(locking_in.frames(result))
     assert [frame.seconds for frame in frames] == [moment.seconds for moment in result.moments]
     assert {frame.pixels.shape for frame in frames} == {(410, 720, 3)}
-    assert all(
-        np.ptp(one.pixels.astype(int) - other.pixels) > 50 for one, other in pairwise(frames)
-    )
+    for before, after in pairwise(frames):
+        assert np.ptp(before.pixels.astype(int) - after.pixels) > 50
 
 
 def _frame(shade: int, seconds: float) -> Frame:
@@ -79,10 +77,5 @@ def test_frames_come_back_in_order_with_pixels_and_durations_of_two_hundredths_a
 
 def test_a_run_that_does_not_lock_in_is_refused(monkeypatch) -> None:
     monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
-    refused(
-        locking_in.compute,
-        NOWHERE,
-        math.radians(120.0),
-        told="do not lock in",
-        kind=ConvergenceError,
-    )
+    start = math.radians(120.0)
+    refused(locking_in.compute, NOWHERE, start, told="do not lock", kind=ConvergenceError)

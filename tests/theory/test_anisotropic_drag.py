@@ -21,10 +21,8 @@ def test_the_spin_of_least_dissipation_is_the_one_in_terms_of_the_pull():
     stationary = sp.diff(theory.squared_dissipation(), theory.SPIN).subs(theory.SPIN, found)
     assert spelled_out(sp.numer(sp.together(stationary))) == 0
     assert spelled_out(sp.numer(sp.together(found.subs(pull) - theory.spin()))) == 0
-    assert (
-        spelled_out(sp.diff(theory.squared_dissipation(), theory.SPIN, 2) - 2 * theory.inertia())
-        == 0
-    )
+    bend = sp.diff(theory.squared_dissipation(), theory.SPIN, 2)
+    assert spelled_out(bend - 2 * theory.inertia()) == 0
 
 
 def test_the_ring_leads_along_the_pull_and_the_rate_is_the_fields_slope_there():
@@ -58,7 +56,5 @@ def test_a_moebius_flow_would_need_a_third_harmonic_that_the_spin_does_not_have(
     assert sp.simplify(theory.moebius_field_times_inertia(3) - third) == 0
     free = {cosine: 0, sine: 0}
     assert theory.moebius_field_times_inertia(1).subs(free) == 0
-    assert (
-        sp.simplify(theory.spin() * theory.inertia() + theory.LEVER * W * sp.sin(THETA - GAMMA))
-        == 0
-    )
+    pull = theory.LEVER * W * sp.sin(THETA - GAMMA)
+    assert sp.simplify(theory.spin() * theory.inertia() + pull) == 0

@@ -92,10 +92,8 @@ def test_on_an_ellipsoid_exactly_one_of_sticking_and_the_two_slides_is_consisten
     for _ in range(400):
         factor, place, rod = random_ellipsoid(rng)
         nu = rng.uniform(0, 7)
-        normal, tangent = (
-            np.array((math.cos(nu), math.sin(nu))),
-            np.array((-math.sin(nu), math.cos(nu))),
-        )
+        normal = np.array((math.cos(nu), math.sin(nu)))
+        tangent = np.array((-normal[1], normal[0]))
         mobility = MOBILITY(*factor[np.tril_indices(3)], *place)
         edges = {sign: mobility @ (-normal + sign * mu * tangent) for sign in (1, -1)}
         if normal @ rod >= 0.0 or max(normal @ edge for edge in edges.values()) >= 0.0:

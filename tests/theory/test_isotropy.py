@@ -43,17 +43,9 @@ def test_the_ellipsoids_drag_turn_is_five_degrees_more_than_the_squares():
     ring = np.array(cycle.push.end.to_world(*loop.model.slider.hitch))
     hx, hy = loop.slider.hitch
     kappa = math.hypot(hx, hy) / (hx**2 + hy**2 + 0.09**2 / 12)
-    numbers = {
-        theory.PUSH_TURN: cycle.push_turn,
-        theory.RING_X: ring[0],
-        theory.RING_Y: ring[1],
-        theory.LEVER_X: hx,
-        theory.LEVER_Y: hy,
-        theory.RATE: kappa,
-    }
-    tangent = theory.turn_of_the_ellipsoids_leg()
-    end, start = (
-        2.0 * math.atan(float(tangent.subs(one))) for one in (numbers, {**numbers, theory.RATE: 0})
-    )
+    numbers = {theory.PUSH_TURN: cycle.push_turn, theory.RING_X: ring[0], theory.RING_Y: ring[1]}
+    numbers |= {theory.LEVER_X: hx, theory.LEVER_Y: hy}
+    tangent = theory.turn_of_the_ellipsoids_leg().subs(numbers)
+    end, start = (2.0 * math.atan(float(tangent.subs(theory.RATE, k))) for k in (kappa, 0))
     assert abs(math.degrees(cycle.drag_turn) + 66.51814) < 1e-4
     assert abs(math.degrees(end - start) + 71.498) < 1e-3

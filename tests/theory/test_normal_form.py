@@ -1,6 +1,7 @@
 """The normal form follows from symmetry alone, and the code's fingerprint has it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,20 +24,15 @@ def made_prediction(
     turn: float, offset: float, ellipticity: float, gradient, psi: float, phi: float
 ) -> Prediction:
     nothing = TurnResponse(0.0, np.zeros(4), np.zeros((4, 4)))
-    response = TurnResponse(turn, gradient, np.zeros((4, 4)))
-    return Prediction(
-        Fingerprint(response, nothing, 0.0, 0.0), Anisotropy(offset, psi, ellipticity, phi)
-    )
+    fingerprint = Fingerprint(replace(nothing, turn=turn, gradient=gradient), nothing, 0.0, 0.0)
+    return Prediction(fingerprint, Anisotropy(offset, psi, ellipticity, phi))
 
 
 @pytest.mark.slow
 def test_turning_the_surface_turns_the_offset_once_and_the_ellipticity_twice() -> None:
     turned = {theory.PHI: theory.PHI + theory.ALPHA}
-    offset, ellipticity, shape = (
-        theory.offset_vector(),
-        theory.ellipticity_vector(),
-        theory.shape_logarithm(),
-    )
+    offset, ellipticity = theory.offset_vector(), theory.ellipticity_vector()
+    shape = theory.shape_logarithm()
     once, twice = rotation(theory.ALPHA), rotation(2 * theory.ALPHA)
     residuals = [
         *(offset.subs(turned) - once * offset),
@@ -48,15 +44,9 @@ def test_turning_the_surface_turns_the_offset_once_and_the_ellipticity_twice() -
 
 def test_the_codes_anisotropy_is_the_theorys_offset_and_ellipticity() -> None:
     """At a random ellipse, seen from the surface's own axes."""
-    expected = [
-        float(value)
-        for value in [
-            *theory.offset_vector().subs(VALUES),
-            *theory.ellipticity_vector().subs(VALUES),
-        ]
-    ]
+    expected = [*theory.offset_vector().subs(VALUES), *theory.ellipticity_vector().subs(VALUES)]
     seen = Anisotropy.of(EllipseFriction(0.3, 0.2, 0.04, -0.03, 0.7)).seen_from(0.0)
-    assert seen == pytest.approx(expected, abs=1e-15)
+    assert seen == pytest.approx([float(value) for value in expected], abs=1e-15)
 
 
 def test_first_order_is_one_harmonic_each_so_that_five_numbers_suffice() -> None:
@@ -76,9 +66,8 @@ def test_second_order_has_harmonics_0_2_then_1_3_then_0_4_with_ten_numbers() -> 
 def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
     """R(θ + α) T(α) = R(θ) for every α, and R'' = -order² R."""
     response = theory.response(order)
-    turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA) * rotation(
-        order * theory.ALPHA
-    )
+    turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA)
+    turned *= rotation(order * theory.ALPHA)
     oscillates = response.diff(theory.THETA, 2) + order**2 * response
     assert all(zero(entry) for entry in [*(turned - response), *oscillates])
 
@@ -113,16 +102,11 @@ def test_the_offset_alone_has_its_fixed_points_in_closed_form() -> None:
     prediction = made_prediction(0.1, 0.15, 0.0, [2.0, 0.0, 0.0, 0.0], psi=0.4, phi=0.0)
     found = {direction.stable: direction for direction in prediction.directions}
     assert len(found) == 2
-    for stable, (angle, multiplier) in zip(
-        (True, False), theory.offset_fixed_points(), strict=True
-    ):
-        numbers = {theory.OMEGA: 0.1, sp.Symbol("X", positive=True): 0.3}
-        assert found[stable].theta == pytest.approx(
-            (float(angle.subs(numbers)) + 0.4) % (2 * math.pi), abs=1e-9
-        )
-        assert found[stable].orbit.multiplier == pytest.approx(
-            float(multiplier.subs(numbers)), abs=1e-9
-        )
+    numbers = {theory.OMEGA: 0.1, sp.Symbol("X", positive=True): 0.3}
+    for stable, pair in zip((True, False), theory.offset_fixed_points(), strict=True):
+        angle, multiplier = (float(value.subs(numbers)) for value in pair)
+        assert found[stable].theta == pytest.approx((angle + 0.4) % (2 * math.pi), abs=1e-9)
+        assert found[stable].orbit.multiplier == pytest.approx(multiplier, abs=1e-9)
 
 
 @pytest.mark.slow
@@ -136,21 +120,19 @@ def test_the_saddle_node_curve_solves_both_equations_and_is_the_lock_in_that_the
     assert sp.simplify(turn) == 0 and sp.simplify(slope) == 0
     curve = sp.lambdify((s, chi, theory.OMEGA), (x, y))
     found = 0
-    for angle, shift in zip(np.linspace(2.0, 4.2, 23), np.linspace(0.3, 5.9, 23), strict=True):
+    for angle, shift in zip(np.linspace(2.0, 4.2, 12), np.linspace(0.3, 5.9, 12), strict=True):
         along, across = curve(angle, shift, 0.1)
         over = 0.1 + along * np.cos(ANGLES) + across * np.cos(2 * ANGLES - shift)
         if min(along, across) < 0.0 or over.min() < -1e-6:
             continue
         # Ellipse amplitude 1 with δ₂ = 0, offset amplitude 1 with δ₁ = 0 and ψ = 0: χ = 2φ.
-        prediction = made_prediction(
-            0.1, along, across, [1.0, 0.0, 1.0, 0.0], psi=0.0, phi=0.5 * shift
-        )
+        ways = {"gradient": [1.0, 0.0, 1.0, 0.0], "psi": 0.0, "phi": 0.5 * shift}
+        prediction = made_prediction(0.1, along, across, **ways)
         lock_in = first_order_lock_in(prediction.fingerprint.cycle, prediction.anisotropy)
-        assert lock_in.scale == pytest.approx(1.0, abs=1e-12) and lock_in.theta == pytest.approx(
-            angle, abs=1e-6
-        )
+        assert lock_in.scale == pytest.approx(1.0, abs=1e-12)
+        assert lock_in.theta == pytest.approx(angle, abs=1e-6)
         found += 1
-    assert found >= 5
+    assert found >= 3
 
 
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 2001)

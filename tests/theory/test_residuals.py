@@ -17,25 +17,15 @@ from theory import (
     turned_surface,
 )
 
-COUNTS = {
-    contact_modes: 15,
-    offset_force: 6,
-    patch_dissipation: 7,
-    patch_limits: 6,
-    square_torque: 9,
-    traction_law: 9,
-}
-COUNTS |= {moebius_drag: 1, noisy_passage: 1, turned_surface: 2}
+COUNTS = {contact_modes: 15, offset_force: 6, patch_dissipation: 7, patch_limits: 6}
+COUNTS |= {square_torque: 9, traction_law: 9, moebius_drag: 1, noisy_passage: 1, turned_surface: 2}
 QUICK = (moebius_drag, noisy_passage, patch_dissipation, traction_law, turned_surface)
 
 
 def residuals_of(module):
-    found = inspect.getmembers(module, inspect.isfunction)
-    return [
-        one
-        for name, one in found
-        if name.endswith("_residual") and one.__module__ == module.__name__
-    ]
+    found = [function for _, function in inspect.getmembers(module, inspect.isfunction)]
+    own = [function for function in found if function.__module__ == module.__name__]
+    return [function for function in own if function.__name__.endswith("_residual")]
 
 
 CASES = [

@@ -21,18 +21,10 @@ def random_laws(count, seed=0):
     rng = np.random.default_rng(seed)
     for _ in range(count):
         mu_a = rng.uniform(0.1, 0.5)
-        mu_b, off, towards = (
-            mu_a * 3.0 ** rng.uniform(-1, 1),
-            0.95 * math.sqrt(rng.uniform()),
-            rng.uniform(0, 7),
-        )
-        yield EllipseFriction(
-            mu_a,
-            mu_b,
-            off * mu_a * math.cos(towards),
-            off * mu_b * math.sin(towards),
-            rng.uniform(0, 7),
-        )
+        mu_b, off = mu_a * 3.0 ** rng.uniform(-1, 1), 0.95 * math.sqrt(rng.uniform())
+        towards, phi = rng.uniform(0, 7, 2).tolist()
+        centre = off * mu_a * math.cos(towards), off * mu_b * math.sin(towards)
+        yield EllipseFriction(mu_a, mu_b, *centre, phi)
 
 
 def numbers(law):
@@ -42,18 +34,15 @@ def numbers(law):
 def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
     h = sp.lambdify((*LAW, *VELOCITY), theory.dissipation())
     force = sp.lambdify((*LAW, *VELOCITY), list(theory.most_dissipating_traction()))
-    velocities, compared = np.random.default_rng(1).normal(size=(50, 2)), 0
+    velocities = np.random.default_rng(1).normal(size=(50, 2))
     for law in random_laws(30):
         c, s = math.cos(law.phi), math.sin(law.phi)
         turn = np.array(((c, -s), (s, c)))
         along, across = (velocities @ turn).T
-        assert np.allclose(
-            law.dissipation(velocities), h(*numbers(law), along, across), rtol=1e-13, atol=1e-15
-        )
+        power = h(*numbers(law), along, across)
+        assert np.allclose(law.dissipation(velocities), power, rtol=1e-13, atol=1e-15)
         derived = np.stack(force(*numbers(law), along, across), axis=-1) @ turn.T
         assert np.allclose(law.traction(velocities), derived, rtol=0, atol=1e-14)
-        compared += len(velocities)
-    assert compared == 1500
 
 
 def test_the_code_refuses_a_law_exactly_where_the_worst_velocity_no_longer_dissipates():

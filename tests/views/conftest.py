@@ -40,11 +40,8 @@ def drawn(loop_of) -> Callable[..., tuple[Portrait, Figure]]:
     def draw(kind: str, data: bool = False) -> tuple[Portrait, Figure]:
         found = portrait(loop_of(MAPS[kind]), cycles=200)
         theta = sample_staircase(MAPS[kind], WrappedNormal(0.02), 300, 1.0, seed=5).theta
-        measured = (
-            measured_overlay(Theta0Pairs(theta[:-1], theta[1:], theta), found.map.turn)
-            if data
-            else None
-        )
+        pairs = Theta0Pairs(theta[:-1], theta[1:], theta)
+        measured = measured_overlay(pairs, found.map.turn) if data else None
         return found, portrait_page(found, portrait_curves(found), measured)
 
     return draw
@@ -56,11 +53,9 @@ def browser_path():
     return next((found for name in names if (found := shutil.which(name))), None)
 
 
-@pytest.fixture
-def open_page():
-    """Open a page of a real browser: at last it fits windows wide and narrow, had no trouble, asked
-    nothing outside.
-    """
+@pytest.fixture(scope="module")
+def chromium():
+    """A real Chromium."""
     if browser_path() is None:
         pytest.skip("no Chromium found: pages are not tested in a browser; install chromium")
     playwright = pytest.importorskip(
@@ -69,31 +64,40 @@ def open_page():
     with playwright.sync_playwright() as driver:
         arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
         browser = driver.chromium.launch(executable_path=browser_path(), args=arguments)
-        pages, troubles, asked = [], [], []
-
-        def opened(address, **options):
-            page = browser.new_page(viewport={"width": 1400, "height": 1000}, **options)
-            pages.append(page)
-            page.set_default_timeout(120_000)
-            page.on("console", lambda message: troubles.append(message.text))
-            page.on("pageerror", lambda error: troubles.append(str(error)))
-            home = address.partition("#")[0] if address.startswith("http") else "file:"
-            page.on(
-                "request",
-                lambda one: (
-                    None if one.url.startswith((home, "data:", "blob:")) else asked.append(one.url)
-                ),
-            )
-            page.goto(address)
-            return page
-
-        yield opened
-        for page in pages:
-            for width in (1400, 420):
-                page.set_viewport_size({"width": width, "height": 900})
-                assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-        assert troubles == asked == []
+        yield browser
         browser.close()
+
+
+@pytest.fixture
+def open_page(chromium):
+    """Open a page of a real browser: at last it fits windows wide and narrow, had no trouble, asked
+    nothing outside.
+    """
+    pages, troubles, asked = [], [], []
+
+    def opened(address, **options):
+        page = chromium.new_page(viewport={"width": 1400, "height": 1000}, **options)
+        pages.append(page)
+        page.set_default_timeout(120_000)
+        page.on("console", lambda message: troubles.append(message.text))
+        page.on("pageerror", lambda error: troubles.append(str(error)))
+        home = address.partition("#")[0] if address.startswith("http") else "file:"
+
+        def note(request):
+            if not request.url.startswith((home, "data:", "blob:")):
+                asked.append(request.url)
+
+        page.on("request", note)
+        page.goto(address)
+        return page
+
+    yield opened
+    for page in pages:
+        for width in (1400, 420):
+            page.set_viewport_size({"width": width, "height": 900})
+            assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        page.close()
+    assert troubles == asked == []
 
 
 @pytest.fixture(scope="module")

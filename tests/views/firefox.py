@@ -50,10 +50,8 @@ class Firefox:
         self.stream = self.connection.makefile("rwb")
         self._received()
         self.sent = 0
-        self.ask(
-            "WebDriver:NewSession",
-            capabilities={"alwaysMatch": {"timeouts": {"script": SCRIPT_MS}}},
-        )
+        self.ask("WebDriver:NewSession")
+        self.ask("WebDriver:SetTimeouts", script=SCRIPT_MS)
 
     def ask(self, command, **parameters):
         """The value that a command of the protocol answers with."""

@@ -1,4 +1,4 @@
-"""The pictures that commands draw of five materials: words apart, none cut off, minus signs for
+"""The pictures that commands draw of two materials: words apart, none cut off, minus signs for
 hyphens.
 """
 
@@ -15,7 +15,7 @@ import cyclemap as cm
 from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
 
-MATERIALS = ("plywood", "plywood-measured", "abs", "pu")
+MATERIALS = ("plywood-measured", "pu")
 # So noisy that no rest lasts for ages, whose length would take long to find.
 NOISY = ("--set", "noise_deg=6", "--cycles", "60")
 GRID = ("--tolerance-deg", "1", "--quantities", "fixed_points", "--workers", "1")
@@ -27,28 +27,14 @@ def commands(material: str) -> dict[str, list[str]]:
     their own.
     """
     data = ["--data", "data"]
+    line = ["--over", "hitch_x_mm=-14:-6:2", "--out", "line"]
+    plane = ["--over", "hitch_x_mm=-14,-6", "--over", "hitch_y_mm=6,14"]
     return {
         "portrait": ["portrait", material, *NOISY, "--data", "theta0.csv"],
         "staircase": ["staircase", material, *NOISY],
         "fingerprint": ["fingerprint", material],
-        "sweep over one key": [
-            "sweep",
-            material,
-            *GRID,
-            "--over",
-            "hitch_x_mm=-14:-6:2",
-            "--out",
-            "line",
-        ],
-        "sweep over two": [
-            "sweep",
-            material,
-            *GRID,
-            "--over",
-            "hitch_x_mm=-14,-6",
-            "--over",
-            "hitch_y_mm=6,14",
-        ],
+        "sweep over one key": ["sweep", material, *GRID, *line],
+        "sweep over two": ["sweep", material, *GRID, *plane],
         "compare": ["compare", material, *data, "--runs", "19"],
         "fit": ["fit", "data", "--harmonics", "2"],
         "replay": ["replay", material, *data],

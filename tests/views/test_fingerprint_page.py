@@ -27,16 +27,13 @@ def checked(prediction: Prediction) -> PredictionCheck:
     full = CircleMap(lambda theta: prediction.map(theta - 0.01) + 0.01)
     points = tuple(fixed_points(full))
     pairs = zip(prediction.directions, points, strict=True)
-    return PredictionCheck(
-        full, points, tuple(CheckedDirection(one, orbit, 0.01) for one, orbit in pairs)
-    )
+    return PredictionCheck(full, points, tuple(CheckedDirection(*pair, 0.01) for pair in pairs))
 
 
 @pytest.mark.parametrize(("prediction", "panels"), [(None, 2), (LOCKED, 3), (DRIFTING, 3)])
 def test_the_page_holds_the_numbers_and_the_sentences(prediction, panels) -> None:
-    page = fingerprint_page(
-        FOUND, prediction, checked(LOCKED) if prediction is LOCKED else None, "wood"
-    )
+    check = checked(LOCKED) if prediction is LOCKED else None
+    page = fingerprint_page(FOUND, prediction, check, "wood")
     assert len(page.axes) == panels
     words = [text.get_text().replace("\n", " ") for text in page.texts]
     assert words[0] == "Fingerprint of the protocol" + ", on wood" * (prediction is not None)
@@ -61,10 +58,8 @@ def test_sentences_tell_locking_drifting_and_distrust() -> None:
     assert sentences.trust_sentence(LOCKED) == ""
     drifting = sentences.direction_sentence(DRIFTING, "wood")
     assert drifting.startswith("To first order wood has no stable direction: the map turns ")
-    assert (
-        f"slowest near {math.degrees(DRIFTING.slowest):.0f}°" in drifting
-        and "leaves open" not in drifting
-    )
+    assert f"slowest near {math.degrees(DRIFTING.slowest):.0f}°" in drifting
+    assert "leaves open" not in drifting
     assert "Lock-in begins at" in sentences.lock_in_sentence(DRIFTING)
     assert "not to be trusted" in sentences.trust_sentence(STRONG)
     isotropic = Prediction(FOUND, Anisotropy(0.0, 0.0, 0.0, 0.0))
@@ -82,20 +77,17 @@ def test_a_second_order_that_was_not_found_is_the_reason_before_any_error_that_c
         doubtful = Prediction(unknown, surface)
         assert doubtful.ratio > 1.0 and not doubtful.trusted
         told = sentences.trust_sentence(doubtful)
-        assert (
-            "second order could not be found, so its error is not known" in told and "%" not in told
-        )
-    assert "its error is" in sentences.trust_sentence(
-        STRONG
-    ) and "second order" not in sentences.trust_sentence(STRONG)
+        assert "second order could not be found, so its error is not known" in told
+        assert "%" not in told
+    told = sentences.trust_sentence(STRONG)
+    assert "its error is" in told and "second order" not in told
 
 
 def test_a_surface_that_locks_to_second_order_only_is_told_so() -> None:
     """The second order lowers the turn by |u|², which is enough to reach zero."""
     lower = TurnResponse(-1.1, DRAG.gradient, np.diag([-2.0, -2.0, 0.0, 0.0]))
-    edge = Prediction(
-        Fingerprint(PUSH, lower, 0.0, 0.0), LOCKED.anisotropy.scaled(0.97 * LOCKED.lock_in.scale)
-    )
+    weaker = LOCKED.anisotropy.scaled(0.97 * LOCKED.lock_in.scale)
+    edge = Prediction(Fingerprint(PUSH, lower, 0.0, 0.0), weaker)
     (stable,) = (orbit for orbit in edge.second_order_points if orbit.stable)
     told = sentences.direction_sentence(edge, "wood")
     assert "no stable direction" in told and "leaves open" in told

@@ -21,9 +21,8 @@ def made_path(count: int, step: float, wear: float) -> Theta0Pairs:
     """A path whose bottleneck at 180° opens with the cycle number."""
     rng, path = np.random.default_rng(0), [0.0]
     for n in range(count):
-        path.append(
-            path[-1] + step + 0.25 * np.cos(path[-1]) + wear * n + 0.02 * rng.standard_normal()
-        )
+        turn = step + 0.25 * np.cos(path[-1]) + wear * n
+        path.append(path[-1] + turn + 0.02 * rng.standard_normal())
     angles, number = np.array(path), np.arange(count + 1.0)
     return Theta0Pairs(angles[:-1], angles[1:], angles, {"jump": 2}, number[:-1], number)
 
@@ -54,10 +53,8 @@ def angles() -> SetFit:
 
 
 def test_every_page_has_its_rows_of_panels_which_lie_apart(whole, motion, angles) -> None:
-    pushes, cycles = (
-        ["Δθ", "Δx", "Δy", "Histogram of Δθ"],
-        ["Cycle map", "Directions", "Staircase", "Turns"],
-    )
+    pushes = ["Δθ", "Δx", "Δy", "Histogram of Δθ"]
+    cycles = ["Cycle map", "Directions", "Staircase", "Turns"]
     for fit, titles in ((whole, pushes + cycles), (motion, pushes), (angles, cycles)):
         figure = fit_page(fit)
         assert render(figure, dpi=36).startswith(b"\x89PNG")
@@ -81,18 +78,15 @@ def test_sentences_carry_the_numbers(whole) -> None:
 
 
 def test_what_is_not_known_is_said(motion, angles) -> None:
-    assert (
-        "120 pushes at 120 contacts, pooled: none was repeated often."
-        in sentences.set_sentences(motion)[0]
-    )
-    assert sentences.set_sentences(motion)[-1] == "No cycle map: no push has a known next θ0."
+    first, *_, last = sentences.set_sentences(motion)
+    assert "120 pushes at 120 contacts, pooled: none was repeated often." in first
+    assert last == "No cycle map: no push has a known next θ0."
     assert "θ0 tells next to nothing of it" in sentences.law_sentence(motion.laws[2])
     assert "of which θ0 alone is known" in sentences.count_sentence(angles)
     assert ", no wear seen;" in sentences.order_sentence(angles.cycle_map)
     short = fit_set(made_set(made_path(25, 0.26, 0.02), moved=False))
-    assert ", wear unknown (100 cycles or more would tell);" in sentences.order_sentence(
-        short.cycle_map
-    )
+    unknown = ", wear unknown (100 cycles or more would tell);"
+    assert unknown in sentences.order_sentence(short.cycle_map)
 
 
 def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:
@@ -101,33 +95,25 @@ def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:
     assert len(fit.cycle_map.early.fixed_points) == 1
     assert "fixed points: stable" in sentences.place_sentence(fit.cycle_map)
     assert "No full turn was measured." in sentences.map_sentences(fit.cycle_map)
-    assert [one.get_title(loc="left") for one in axes] == ["Cycle map", "Directions", "Staircase"]
-    assert (
-        sum(line.get_marker() == "o" and len(line.get_xdata()) == 1 for line in axes[0].lines) == 1
-    )
+    titles = [panel.get_title(loc="left") for panel in axes]
+    assert titles == ["Cycle map", "Directions", "Staircase"]
+    marks = [line for line in axes[0].lines if line.get_marker() == "o"]
+    assert [len(line.get_xdata()) for line in marks].count(1) == 1
 
 
 def test_curves_and_words_keep_to_the_orientations_that_were_measured() -> None:
-    theta = np.random.default_rng(2).uniform(0.5, 2.0, 120)
-    pairs = Theta0Pairs(
-        theta,
-        theta + 0.3 + 0.1 * np.cos(theta) + 0.02 * np.random.default_rng(3).standard_normal(120),
-    )
+    theta, noise = np.random.default_rng(2).uniform((0.5, -0.03), (2.0, 0.03), (120, 2)).T
+    pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.cos(theta) + noise)
     fit = fit_set(made_set(pairs))
     axes = fit_page(fit).axes
-    lines = [
-        axes[0].lines[1],
-        next(line for line in axes[4].lines if line.get_label() == "fitted map"),
-    ]
-    for line in lines:
+    (fitted,) = (line for line in axes[4].lines if line.get_label() == "fitted map")
+    for line in (axes[0].lines[1], fitted):
         drawn = np.deg2rad(line.get_xdata()[np.isfinite(line.get_ydata())])
         assert 0.45 < drawn.min() < drawn.max() < 2.05
     low, high = np.degrees(theta.min()), np.degrees(theta.max())
-    assert (
-        f"θ0 covers {high - low:.0f}° of the circle ({low:.0f}° to {high:.0f}°)"
-        in sentences.set_sentences(fit)[0]
-    )
-    assert "It has no slow zone among the measured θ0" in " ".join(sentences.set_sentences(fit))
+    said = sentences.set_sentences(fit)
+    assert f"θ0 covers {high - low:.0f}° of the circle ({low:.0f}° to {high:.0f}°)" in said[0]
+    assert "It has no slow zone among the measured θ0" in " ".join(said)
 
 
 def test_a_set_to_which_nothing_was_fitted_has_no_page() -> None:

@@ -15,19 +15,13 @@ from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
-from cyclemap.maps import (
-    CircleMap,
-    Estimate,
-    StaircaseSummary,
-    WrappedNormal,
-    transfer_operator,
-)
+from cyclemap.maps import CircleMap, Estimate, StaircaseSummary, WrappedNormal, transfer_operator
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences
 from cyclemap.views.panels import style
 from cyclemap.views.panels.layout import render
 
-CASES = [("locked", False), ("locked", True), ("rotating", True), ("jumping", False)]
+CASES = [("locked", True), ("rotating", True), ("jumping", False)]
 
 
 @pytest.mark.slow
@@ -54,46 +48,34 @@ def test_each_format_is_what_it_says_and_comes_out_the_same_twice(
     page = drawn("locked")[1]
     picture = render(page, picture_format)
     assert picture.startswith(start) and render(page, picture_format) == picture
-    width, height = (int.from_bytes(picture[at : at + 4], "big") for at in (16, 20))
     if picture_format == "png":
-        assert (
-            width / height == pytest.approx(16 / 9, rel=0.01)
-            and width >= 1600
-            and len(picture) < 400_000
-        )
+        width, height = (int.from_bytes(picture[at : at + 4], "big") for at in (16, 20))
+        assert width / height == pytest.approx(16 / 9, rel=0.01) and width >= 1600
+        assert len(picture) < 400_000
     with pytest.raises(InvalidInput, match="'gif' is unknown; use one of png, pdf, svg"):
         render(page, "gif")
 
 
 def both(orientation_deg: float) -> str:
     """The MIT push goes towards the object's -y: a quarter turn clockwise of its orientation."""
-    return (
-        f"orientation {orientation_deg:.1f}°, pushed towards {orientation_deg - 90.0:.1f}°".replace(
-            "-", "−"
-        )
-    )
+    towards = f"{orientation_deg - 90.0:.1f}°".replace("-", "−")
+    return f"orientation {orientation_deg:.1f}°, pushed towards {towards}"
 
 
 @pytest.mark.slow
 def test_headline_and_sentence_tell_where_it_locks_and_how_fast_or_the_pace(drawn) -> None:
     # Arnold: θ + 0.02π - 0.2 sin θ is fixed where sin θ = 0.1π.
-    locked = drawn("locked")[0]
-    assert (
-        sentences.headline(locked)
-        == f"plywood locks into {both(math.degrees(math.asin(0.1 * math.pi)))}"
-    )
-    multiplier = 1 - 0.2 * math.cos(math.asin(0.1 * math.pi))
+    locked, place = drawn("locked")[0], math.asin(0.1 * math.pi)
+    assert sentences.headline(locked) == f"plywood locks into {both(math.degrees(place))}"
+    multiplier = 1 - 0.2 * math.cos(place)
     fast = f"a tenth of an error is left after {math.log(0.1) / math.log(multiplier):.0f} cycles."
-    assert (
-        sentences.lock_sentence(locked) == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
-    )
+    said = sentences.lock_sentence(locked)
+    assert said == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
     # 2πΩ = 7.2 and K = 5.7 degrees: the turn runs from their difference to their sum.
     rotating = drawn("rotating")[0]
     assert sentences.headline(rotating) == "plywood locks into no direction"
-    said = sentences.lock_sentence(rotating)
-    assert said.startswith(
-        "Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes "
-    )
+    said = "Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes "
+    assert sentences.lock_sentence(rotating).startswith(said)
     assert sentences.lock_sentence(drawn("jumping")[0]) == "Orbits gather about the jump at 114.6°."
 
 
@@ -119,14 +101,12 @@ def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
 
 @pytest.mark.slow
 def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None:
-    found = portrait(
-        CollectionLoop.mit("plywood-measured"), tolerance=1e-4, sigma=math.radians(1.0)
-    )
+    loop = CollectionLoop.mit("plywood-measured")
+    found = portrait(loop, tolerance=1e-3, sigma=math.radians(1.0))
     assert found.drifting is not None and found.worn is not None
     said = sentences.headline(found)
-    assert (
-        said.startswith("plywood-measured rests at orientation ") and "when fresh, near 9" in said
-    )
+    assert said.startswith("plywood-measured rests at orientation ")
+    assert "when fresh, near 9" in said
     told = " ".join([said, sentences.lock_sentence(found), sentences.noise_sentence(found)])
     told += sentences.staircase_sentence(found)
     assert "locks" not in told and "flat" not in told
@@ -145,9 +125,10 @@ def test_noise_that_holds_two_directions_is_told_with_their_shares_and_how_often
     wells = CircleMap(lambda x: x - 0.3 * np.sin(2 * x) + 0.05 * np.sin(x))
     found = replace(drawn("rotating")[0], operator=transfer_operator(wells, WrappedNormal(0.3)))
     (much, few), said = found.held, sentences.noise_sentence(found)
-    assert said.endswith(
+    held = (
         "Noise holds two directions: 88% near 180° and 12% near 360°, a change every 5849 cycles."
     )
+    assert said.endswith(held)
     assert much.share * much.leaving + few.share * few.leaving == pytest.approx(1 / 5849, rel=1e-3)
     report = portrait_report(found)["stationary"]
     assert [round(one["share"], 2) for one in report["held"]] == [0.88, 0.12]
@@ -156,37 +137,20 @@ def test_noise_that_holds_two_directions_is_told_with_their_shares_and_how_often
 
 def test_sentences_of_noise_staircase_agreement_and_parameters_carry_the_numbers(drawn) -> None:
     found = drawn("rotating")[0]
-    assert "With 1.1° of noise a cycle the recorded directions peak at" in sentences.noise_sentence(
-        found
-    )
+    noise = "With 1.1° of noise a cycle the recorded directions peak at"
+    assert noise in sentences.noise_sentence(found)
     level = replace(found.prediction, step=None, mean_turn=math.radians(4.321))
-    flat = foretelling(found, level)
-    assert sentences.staircase_sentence(flat).endswith("on average θ0 moves 4.32° a cycle.")
-    steps = replace(
-        found.prediction, step=2 * math.pi, mean_residence_cycles=257.4, mean_turn=math.radians(0.9)
-    )
-    said = sentences.staircase_sentence(foretelling(found, steps))
-    assert (
-        "rests 257 cycles on a step, steps are 360° high, and on average θ0 moves 0.90° a cycle"
-        in said
-    )
-    said = sentences.agreement_sentence(
-        MapAgreement(1996, math.radians(7.06), 62, math.radians(12.3))
-    )
-    assert (
-        said == "1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 "
-        "directions 12.3°."
-    )
-    said = sentences.parameters_line(found)
-    for part in (
-        "μa 0.2545",
-        "μb 0.2346",
-        "m0 0.0325",
-        "n0 0.0082",
-        "φ 150.0°",
-        "rod ⌀ 9.5 mm, μ 0.15",
-    ):
-        assert part in said
+    said = sentences.staircase_sentence(foretelling(found, level))
+    assert said.endswith("on average θ0 moves 4.32° a cycle.")
+    pace = {"mean_residence_cycles": 257.4, "mean_turn": math.radians(0.9)}
+    steps = foretelling(found, replace(found.prediction, step=2 * math.pi, **pace))
+    told = "rests 257 cycles on a step, steps are 360° high, and on average θ0 moves 0.90° a cycle"
+    assert told in sentences.staircase_sentence(steps)
+    agreement = MapAgreement(1996, math.radians(7.06), 62, math.radians(12.3))
+    lie = "1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 directions"
+    assert sentences.agreement_sentence(agreement) == f"{lie} 12.3°."
+    said, law = sentences.parameters_line(found), "μa 0.2545, μb 0.2346, m0 0.0325, n0 0.0082, φ"
+    assert f"{law} 150.0°" in said and "rod ⌀ 9.5 mm, μ 0.15" in said
 
 
 def test_the_error_that_is_told_is_no_smaller_than_the_error() -> None:
@@ -197,20 +161,10 @@ def test_the_error_that_is_told_is_no_smaller_than_the_error() -> None:
         assert said.endswith(f"estimated error {told}°")
 
 
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [
-        (0.04, "0.0"),
-        (9.94, "9.9"),
-        (12.4, "12"),
-        (99_999.0, "99999"),
-        (2e7, "10^7"),
-        (math.inf, "more than 10^12"),
-    ],
-)
-def test_counts_are_short(value, said) -> None:
-    assert sentences.number(value) == said
-    # No angle says minus zero.
+def test_counts_are_short_and_no_angle_says_minus_zero() -> None:
+    counts = (0.04, 9.94, 12.4, 99_999.0, 2e7, math.inf)
+    said = ["0.0", "9.9", "12", "99999", "10^7", "more than 10^12"]
+    assert [sentences.number(count) for count in counts] == said
     assert (sentences.angle(-1e-9), sentences.angle(math.radians(-65.04))) == ("0.0°", "−65.0°")
 
 
@@ -226,9 +180,8 @@ def test_a_long_list_of_errors_is_told_in_its_first_clauses() -> None:
     clauses = [f"session {number}, push place: 1.23 mm (isotropic 2.34)" for number in range(40)]
     long = replace(load_material("isotropic"), misfit="; ".join(clauses), inferred=True)
     told = sentences.material_line(long)
-    assert len(told) < 600 and told.startswith(
-        f"isotropic was inferred, not measured: {clauses[0]}; {clauses[1]}"
-    )
+    assert len(told) < 600
+    assert told.startswith(f"isotropic was inferred, not measured: {clauses[0]}; {clauses[1]}")
     assert told.endswith(f"; {40 - told.count('session')} more in its file")
     endless = sentences.material_line(replace(long, misfit="word " * 400))
     assert len(endless) < 600 and endless.endswith(" ...")

@@ -21,9 +21,8 @@ def forecast(loop_of):
 
     @cache
     def make(omega: float, strength: float) -> StaircaseForecast:
-        return staircase_forecast(
-            loop_of(CircleMap.arnold(omega, strength)), sigma=0.03, cycles=3_000
-        )
+        loop = loop_of(CircleMap.arnold(omega, strength))
+        return staircase_forecast(loop, sigma=0.03, cycles=3_000)
 
     return make
 
@@ -51,9 +50,8 @@ def test_every_kind_of_staircase_can_be_rendered_with_whole_counts(forecast, law
     assert all(float(tick).is_integer() for tick in page.axes[2].get_xticks())
     rests = law != TURNING
     assert (len(page.axes[2].texts) == 0) is rests
-    assert (
-        "rests nowhere: it moves 108.00° a cycle" in sentences.forecast_sentence(forecast(*law))
-    ) is not rests
+    nowhere = "rests nowhere: it moves 108.00° a cycle"
+    assert (nowhere in sentences.forecast_sentence(forecast(*law))) is not rests
 
 
 def test_rests_are_told_by_their_length_or_by_its_power_of_ten(forecast) -> None:
@@ -63,17 +61,13 @@ def test_rests_are_told_by_their_length_or_by_its_power_of_ten(forecast) -> None
     told = f"With 1.7° of noise a cycle θ0 rests near {place}; steps are 360°"
     assert sentences.forecast_sentence(ghost).startswith(told)
     assert power > 200
-    assert (
-        f"for 10^{power} cycles; steps are 360° high, none to be expected."
-        in sentences.forecast_sentence(well)
-    )
+    told = f"for 10^{power} cycles; steps are 360° high, none to be expected."
+    assert told in sentences.forecast_sentence(well)
     assert "it stays at" in sentences.run_sentence(well)
     lengths = staircase_page(well).axes[2]
     told = [text.get_text() for text in lengths.get_legend().get_texts()]
-    assert (
-        told[-1] == "predicted more than 10^12, beyond the panel"
-        and lengths.get_ylim()[1] < 10_000.0
-    )
+    assert told[-1] == "predicted more than 10^12, beyond the panel"
+    assert lengths.get_ylim()[1] < 10_000.0
 
 
 def test_measured_and_fitted_sentences_carry_the_numbers(measured) -> None:

@@ -2,69 +2,26 @@
 
 import numpy as np
 import pytest
-from fake_numbers import (
-    FakeNumbers,
-    fake_plan,
-    fake_sample,
-    fake_values,
-    swept as fake_swept,
-)
+from fake_numbers import FakeNumbers, fake_plan, fake_sample, fake_values, swept as fake_swept
 from refusals import refused
 
 from cyclemap.maps import RotationPlane
 from cyclemap.sweeps import (
-    PointOutcome,
     PortraitNumbers,
     SweepPlan,
-    SweepStore,
-    load_sweep,
-    run_sweep,
 )
 from cyclemap.views.panels.layout import render
 from cyclemap.views.panels.rotation import cell_edges
-from cyclemap.views.sweep_page import (
-    rotation_plane,
-    sweep_page,
-    sweep_sentences,
-    without_specks,
-)
+from cyclemap.views.sweep_page import rotation_plane, sweep_page, sweep_sentences, without_specks
 
-NUMBERS = PortraitNumbers(("rotation", "fixed_points"))
 WIDE = np.s_[3:20, 5:9]
 NARROW = ((30, 31, 32), (10, 11, 12))
 
 
-def outcome(place: float) -> PointOutcome:
-    """Locked with two fixed points below one half, winding above, refused at the end."""
-    if place > 0.9:
-        return PointOutcome({}, "no such loop")
-    locked = place < 0.5
-    rotation = 0.0 if locked else 0.1 * place
-    bounds = {
-        "rotation": rotation,
-        "rotation_lower": rotation,
-        "rotation_upper": rotation + 1e-5 * (not locked),
-    }
-    counts = {"locked_winding": 0.0, "locked_period": float(locked), "fixed_points": 2.0 * locked}
-    lists = (
-        {"fixed_point_theta": (1.0, 2.0 + place), "fixed_point_stable": (1.0, 0.0)}
-        if locked
-        else {}
-    )
-    return PointOutcome({**bounds, **counts, "stable_points": float(locked), **lists})
-
-
 @pytest.fixture
 def swept(tmp_path):
-    """A sweep whose outcomes depend on the place of a point in the plan."""
-
-    def sweep(plan):
-        path = tmp_path / f"{len(plan)}.sqlite"
-        with SweepStore(path, plan) as store:
-            store.add([(plan.point(k), outcome(k / (len(plan) - 1))) for k in range(len(plan))])
-        return load_sweep(path)
-
-    return sweep
+    """What a sweep in this process found."""
+    return lambda plan: fake_swept(tmp_path / "sweep.sqlite", plan)
 
 
 def page_of(sweep, names=()):
@@ -74,7 +31,7 @@ def page_of(sweep, names=()):
 
 
 def words(figure) -> str:
-    return " ".join(text.get_text() for text in figure.texts)
+    return " ".join(" ".join(text.get_text() for text in figure.texts).split())
 
 
 def panels(figure):
@@ -82,118 +39,86 @@ def panels(figure):
 
 
 @pytest.mark.slow
-def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
-    over = {"mu_a": (0.2, 0.25, 0.3), "hitch_x_mm": (-12.0, -8.0, -4.0)}
-    figure = page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS)))
-    rotation, stable = panels(figure)
-    assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("friction μa", "ring x (mm)")
-    mesh = stable.collections[0]
-    assert np.ma.filled(mesh.get_array(), -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
-    told = (
-        "plywood: friction μa × ring x",
-        "9 points over friction μa 0.2 to 0.3 (3 values)",
-        "4 lock (4 at 0/1)",
-    )
-    for part in (*told, "1 refused; it so: no such loop."):
-        assert part in words(figure)
-    # In grey, a darker cell has more stable directions.
-    grey = [
-        float(np.dot(mesh.cmap(mesh.norm(count))[:3], (0.299, 0.587, 0.114)))
-        for count in (0.0, 1.0)
-    ]
-    assert grey[0] - grey[1] > 0.4
-
-
-def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
-    sweep = swept(
-        SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS)
-    )
-    points, _ = panels(page_of(sweep))
-    assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], (
-        "unstable, stable and refused points"
-    )
-    assert sweep_sentences(sweep.where(sweep.table["number"] < 4))[0].startswith(
-        "4 of 11 points over friction μa"
-    )
-
-
-def test_a_sample_is_dots_and_any_quantity_can_be_drawn(swept) -> None:
-    plan = SweepPlan.sample(
-        "plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}, 21, numbers=NUMBERS
-    )
-    figure = page_of(swept(plan), ("fixed_points",))
-    (axes,) = panels(figure)
-    assert (len(axes.collections[0].get_offsets()), len(axes.lines[0].get_xdata())) == (19, 2)
-    assert "sobol sample, seed 0" in words(figure)
-    named = swept(
-        SweepPlan.grid(None, {"material": ("abs", "delrin", "plywood", "pu")}, numbers=NUMBERS)
-    )
-    points, _ = panels(page_of(named))
-    assert [label.get_text() for label in points.get_xticklabels()] == [
-        "abs",
-        "delrin",
-        "plywood",
-        "pu",
-    ]
-
-
-@pytest.mark.slow
-def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
-    plan = SweepPlan.grid(
-        "plywood", {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}, numbers=NUMBERS
-    )
-    run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
-    sweep = load_sweep(tmp_path / "sweep.sqlite")
+def test_a_sweep_of_refusals_alone_can_still_be_drawn(swept) -> None:
+    over = {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}
+    numbers = PortraitNumbers(("rotation", "fixed_points"))
+    sweep = swept(SweepPlan.grid("plywood", over, numbers=numbers))
     assert all("contact fraction" in text for text in sweep.table["refusal"])
     assert "4 refused" in words(page_of(sweep))
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
 
 
-def test_a_plane_has_the_rotation_numbers_the_counts_and_the_refusals(tmp_path) -> None:
-    sweep = fake_swept(tmp_path / "sweep.sqlite", fake_plan(refused_above=0.28))
+@pytest.mark.slow
+def test_a_plane_has_the_rotation_numbers_the_counts_and_the_refusals(swept) -> None:
+    sweep = swept(fake_plan(refused_above=0.28))
     assert rotation_plane(sweep).period.sum() == 4 * 3
-    rotation, stable = panels(page_of(sweep))
+    figure = page_of(sweep)
+    rotation, stable = panels(figure)
     titles = [axes.get_title(loc="left") for axes in (rotation, stable)]
     assert titles == ["Rotation number", "Number of stable fixed points"]
-    drawn = np.ma.filled(stable.collections[0].get_array().astype(float), np.nan)
+    assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("friction μa", "ring x (mm)")
+    mesh = stable.collections[0]
+    drawn = np.ma.filled(mesh.get_array().astype(float), np.nan)
     assert np.array_equal(drawn, sweep.on_grid("stable_points").T, equal_nan=True)
     crossed = [bars for bars in stable.collections[1:] if bars.get_hatch() == "xxx"]
     assert sum(len(bars.get_paths()) for bars in crossed) == 4, "half of the cells of four rows"
+    # In grey, a darker cell has more stable directions.
+    colours = np.array([mesh.cmap(mesh.norm(count))[:3] for count in (0.0, 1.0)])
+    none, some = colours @ (0.299, 0.587, 0.114)
+    assert none - some > 0.4
+    told = ("plywood: friction μa × ring x", "20 points over friction μa 0.2 to 0.3 (5 values)")
+    for part in (*told, "12 lock (12 at 0/1)", "4 refused; all of them so: mu_a is 0.3"):
+        assert part in words(figure)
 
 
-def test_angles_are_drawn_in_degrees(tmp_path) -> None:
+def test_angles_are_drawn_in_degrees(swept) -> None:
     """The fake numbers have no turns; a real map of isotropic friction turns by its rotation number
     each cycle.
     """
     over = {"hitch_x_mm": (-10.607,), "hitch_y_mm": (10.607,)}
     numbers = PortraitNumbers(("rotation", "turns"), tolerance=1e-3)
     plan = SweepPlan.grid("isotropic", over, numbers=numbers)
-    figure = page_of(fake_swept(tmp_path / "sweep.sqlite", plan), ("mean_turn", "rotation"))
+    figure = page_of(swept(plan), ("mean_turn", "rotation"))
     turn, rotation = (float(axes.collections[0].get_array()[0, 0]) for axes in panels(figure))
     assert turn == pytest.approx(74.52037 - 66.51814, abs=0.06)
     assert 360.0 * rotation == pytest.approx(turn, abs=0.06)
 
 
-def test_lines_run_along_the_key_with_every_fixed_point(tmp_path) -> None:
-    plan = SweepPlan.grid(
-        "plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers()
+def test_lines_run_along_the_key_with_every_fixed_point(swept) -> None:
+    over = {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}
+    points, rotation = panels(
+        page_of(swept(SweepPlan.grid("plywood", over, numbers=FakeNumbers())))
     )
-    points, rotation = panels(page_of(fake_swept(tmp_path / "sweep.sqlite", plan)))
     line = rotation.lines[0]
-    assert line.get_xdata().tolist() == [-12.0, -8.0, -4.0, 0.0]
-    assert line.get_ydata().tolist() == [
-        fake_values(0.25, x)["rotation"] for x in (-12.0, -8.0, -4.0, 0.0)
-    ]
+    places = [-12.0, -8.0, -4.0, 0.0]
+    assert line.get_xdata().tolist() == places
+    assert line.get_ydata().tolist() == [fake_values(0.25, x)["rotation"] for x in places]
     stable, unstable = points.lines[:2]
     assert sorted(stable.get_xdata().tolist()) == sorted(unstable.get_xdata()) == [-12.0, -8.0]
     assert np.degrees(0.1 + 8.0 / 7.0) in stable.get_ydata()
 
 
+def test_of_a_plane_a_line_can_be_drawn_with_its_refusals_and_some_points_told(swept) -> None:
+    sweep = swept(fake_plan(refused_above=0.28))
+    points, _ = panels(page_of(sweep.select(hitch_x_mm=-20.0)))
+    stable, unstable, refused_points = (len(line.get_xdata()) for line in points.lines[:3])
+    assert (stable, unstable, refused_points) == (4, 4, 1)
+    said = sweep_sentences(sweep.where(sweep.table["number"] < 4))[0]
+    assert said.startswith("4 of 20 points over friction μa")
+
+
+def test_of_materials_the_ticks_are_names(swept) -> None:
+    names = ("abs", "delrin", "plywood", "pu")
+    plan = SweepPlan.grid(None, {"material": names}, numbers=FakeNumbers())
+    points, _ = panels(page_of(swept(plan)))
+    assert tuple(label.get_text() for label in points.get_xticklabels()) == names
+
+
 @pytest.mark.slow
-def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(tmp_path) -> None:
-    sample = fake_sample(32, refused_above=0.25)
-    scattered = panels(page_of(fake_swept(tmp_path / "sweep.sqlite", sample)))
-    for axes in scattered:
+def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(swept, tmp_path) -> None:
+    figure = page_of(swept(fake_sample(32, refused_above=0.25)), ("fixed_points", "rotation"))
+    assert "sobol sample, seed 0" in words(figure)
+    for axes in panels(figure):
         dots, crosses = axes.collections[0].get_offsets(), axes.lines[0].get_xdata()
         assert (len(dots), len(crosses)) == (16, 16)
     plan = SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3)}, 32, numbers=FakeNumbers())
@@ -202,10 +127,10 @@ def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(tmp_path) ->
     assert len(places) == 32 and np.all(np.diff(places) > 0.0)
 
 
-def test_what_cannot_be_drawn_is_refused(tmp_path) -> None:
+def test_what_cannot_be_drawn_is_refused(swept) -> None:
     over = {"mu_a": (0.2, 0.3), "mu_b": (0.2, 0.3), "hitch_x_mm": (-8.0, 0.0)}
     plan = SweepPlan.grid("plywood", over, numbers=FakeNumbers())
-    sweep = fake_swept(tmp_path / "sweep.sqlite", plan)
+    sweep = swept(plan)
     refused(sweep_page, sweep, told="3 keys are swept")
     plane = sweep.select(mu_b=0.2)
     refused(sweep_page, plane, ("fixed_point_theta",), told="fixed_point_theta is a list")

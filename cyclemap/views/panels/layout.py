@@ -51,8 +51,8 @@ _KEY, _ROW = 0.4, 12.5
 _SAFE = 0.92
 
 
-def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
-    """An empty figure of `width` by `height` inches, a landscape page unless told."""
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of `width` by `height` inches."""
     figure = Figure(figsize=(width, height), facecolor="white")
     FigureCanvasAgg(figure)
     return figure

@@ -1,5 +1,5 @@
-"""The trailing direction's fixed point and rate: exact in symbols for every pressure, and so in the
-code's drag.
+"""A trailing lever: what a leg forgets, its bias and multiplier, and the fixed direction with its rate
+for every pressure; in symbols, and in the code's drag.
 """
 
 import math
@@ -20,7 +20,57 @@ from cyclemap.mechanics import (
     load_material,
 )
 from cyclemap.mechanics.footprint import INNER
-from theory import trailing_rate as theory
+from theory import trailing_leg as leg, trailing_rate as drag
+from theory.moebius_drag import (
+    HEADING,
+    LENGTH,
+    POINT,
+    half_angle_tangent,
+    heading_after,
+    leg_of_the_lever,
+    strength,
+)
+
+A = sp.Symbol("a", positive=True)
+
+
+def test_the_multiplier_is_the_slope_at_the_trailing_heading():
+    m = leg.multiplier()
+    assert sp.simplify(leg.slope(m).subs(HEADING, 0) - m) == 0
+    assert sp.simplify(leg.slope(m).subs(HEADING, sp.pi) - 1 / m) == 0
+    assert sp.simplify((m - (1 - strength()) / (1 + strength())).rewrite(sp.exp)) == 0
+
+
+@pytest.mark.slow
+def test_the_slope_is_the_derivative_of_the_closed_form():
+    assert sp.simplify(sp.diff(heading_after(), HEADING) - leg.slope(leg.multiplier())) == 0
+
+
+def test_after_the_forgetting_length_the_last_allowed_heading_is_at_the_tolerance():
+    start = sp.pi - leg.EXCLUDED
+    reached = half_angle_tangent().subs(LENGTH, leg.forgetting_length()).subs(HEADING, start)
+    residual = reached - sp.tan(leg.TOLERANCE / 2)
+    assert sp.simplify(residual.rewrite(sp.tan)) == 0
+
+
+def test_the_share_within_is_that_of_the_headings_which_end_on_the_tolerance():
+    edge = sp.pi * leg.share_within()
+    reached = half_angle_tangent().subs(HEADING, edge)
+    assert sp.simplify(reached - sp.tan(leg.TOLERANCE / 2)) == 0
+
+
+def test_a_uniform_heading_becomes_wrapped_cauchy():
+    """The density is the slope of the inverse leg over 2π, and the mean of e^{iψ} is a, as a
+    residue too.
+    """
+    backwards = leg.slope((1 + A) / (1 - A)) / (2 * sp.pi)
+    cosine = sp.Symbol("C", real=True)
+    whole = {sp.cos(HEADING / 2) ** 2: (1 + cosine) / 2, sp.sin(HEADING / 2) ** 2: (1 - cosine) / 2}
+    density = leg.density_from_uniform(A).subs(sp.cos(HEADING), cosine)
+    assert sp.simplify(backwards.subs(whole) - density) == 0
+    assert leg.mean_from_uniform(A) == A
+    assert sp.residue(leg_of_the_lever(A) / POINT, POINT, 0) == A
+
 
 SQUARE = Slider.mit("rect1").outline
 PLYWOOD = load_material("plywood").friction
@@ -31,14 +81,7 @@ FOOTPRINTS = {
     "grid": grid_footprint(SQUARE, 8),
     "ellipse": PatchFootprint(Ellipse(0.05, 0.03)),
 }
-SYMBOLS = (
-    theory.FIRST,
-    theory.MIXED,
-    theory.SECOND,
-    theory.OFFSET_1,
-    theory.OFFSET_2,
-    theory.TOWARDS,
-)
+SYMBOLS = (drag.FIRST, drag.MIXED, drag.SECOND, drag.OFFSET_1, drag.OFFSET_2, drag.TOWARDS)
 
 
 def law_numbers(law, towards):
@@ -71,38 +114,33 @@ def second_moment(footprint, towards):
 
 def test_the_first_derivative_of_a_point_is_linear_in_its_place():
     """So that the mean over a pressure needs only its centre: dD/dω = f·(z × (x - ρ)) at ω = 0."""
-    first = sp.diff(theory.dissipation_of_a_point(), theory.SPIN).subs(theory.SPIN, 0)
-    point = {theory.POINT_1: 0, theory.POINT_2: 0}
-    assert sp.simplify(first.subs(point) - theory.ring_torque()) == 0
-    for coordinate in (theory.POINT_1, theory.POINT_2):
+    first = sp.diff(drag.dissipation_of_a_point(), drag.SPIN).subs(drag.SPIN, 0)
+    point = {drag.POINT_1: 0, drag.POINT_2: 0}
+    assert sp.simplify(first.subs(point) - drag.ring_torque()) == 0
+    for coordinate in (drag.POINT_1, drag.POINT_2):
         assert sp.simplify(sp.diff(first, coordinate, 2)) == 0
-        assert sp.simplify(sp.diff(first, coordinate).has(theory.RING_1)) == False  # noqa: E712
+        assert sp.simplify(sp.diff(first, coordinate).has(drag.RING_1)) == False  # noqa: E712
 
 
 def test_the_torque_vanishes_where_the_lever_lies_along_the_force():
-    size, force = sp.Symbol("k", real=True), theory.friction_force()
-    along = {theory.TURN: 0, theory.RING_1: size * force[0], theory.RING_2: size * force[1]}
-    assert sp.expand(theory.ring_torque().subs(along, simultaneous=True)) == 0
+    size, force = sp.Symbol("k", real=True), drag.friction_force()
+    along = {drag.TURN: 0, drag.RING_1: size * force[0], drag.RING_2: size * force[1]}
+    assert sp.expand(drag.ring_torque().subs(along, simultaneous=True)) == 0
 
 
 @pytest.mark.slow
 def test_the_second_derivative_of_a_point_is_the_stated_quadratic():
-    second = sp.diff(theory.dissipation_of_a_point(), theory.SPIN, 2).subs(
-        {theory.SPIN: 0, theory.TURN: 0}
-    )
-    u = theory.direction()
-    away = u[0] * (theory.POINT_1 - theory.RING_1) + u[1] * (theory.POINT_2 - theory.RING_2)
-    wanted = theory.law_matrix().det() * away**2 / theory.sliding_speed() ** 3
+    second = sp.diff(drag.dissipation_of_a_point(), drag.SPIN, 2).subs({drag.SPIN: 0, drag.TURN: 0})
+    u = drag.direction()
+    away = u[0] * (drag.POINT_1 - drag.RING_1) + u[1] * (drag.POINT_2 - drag.RING_2)
+    wanted = drag.law_matrix().det() * away**2 / drag.sliding_speed() ** 3
     assert sp.simplify(second - wanted) == 0
     # The mean of (u·(x - ρ))² over a pressure centred at 0 is (u·ρ)² + ⟨(u·x)²⟩: the mixed term is
     # linear in x.
-    along = theory.direction().dot(sp.Matrix([theory.RING_1, theory.RING_2]))
-    mixed = sp.expand(away**2 - along**2 - (u[0] * theory.POINT_1 + u[1] * theory.POINT_2) ** 2)
-    assert (
-        sp.expand(sp.diff(mixed, theory.POINT_1, 2))
-        == sp.expand(sp.diff(mixed, theory.POINT_2, 2))
-        == 0
-    )
+    along = drag.direction().dot(sp.Matrix([drag.RING_1, drag.RING_2]))
+    mixed = sp.expand(away**2 - along**2 - (u[0] * drag.POINT_1 + u[1] * drag.POINT_2) ** 2)
+    for place in (drag.POINT_1, drag.POINT_2):
+        assert sp.expand(sp.diff(mixed, place, 2)) == 0
 
 
 def test_the_rate_is_the_implicit_derivative():
@@ -110,13 +148,13 @@ def test_the_rate_is_the_implicit_derivative():
     leads.
     """
     lever, moment = sp.symbols("r X", positive=True)
-    force = theory.friction_force()
+    force = drag.friction_force()
     size = sp.sqrt(force.dot(force))
-    turning = sp.diff(theory.ring_torque(), theory.TURN).subs(theory.TURN, 0)
-    leading = {theory.RING_1: lever * force[0] / size, theory.RING_2: lever * force[1] / size}
-    assert sp.simplify(turning - force.dot(sp.Matrix([theory.RING_1, theory.RING_2]))) == 0
-    rate = -size * lever / theory.spin_stiffness(moment).subs(leading)
-    assert rate - theory.trailing_rate(lever, moment) == 0
+    turning = sp.diff(drag.ring_torque(), drag.TURN).subs(drag.TURN, 0)
+    leading = {drag.RING_1: lever * force[0] / size, drag.RING_2: lever * force[1] / size}
+    assert sp.simplify(turning - force.dot(sp.Matrix([drag.RING_1, drag.RING_2]))) == 0
+    rate = -size * lever / drag.spin_stiffness(moment).subs(leading)
+    assert rate - drag.trailing_rate(lever, moment) == 0
     square = turning.subs(leading) * size - lever * force.dot(force)
     assert sp.simplify(square) == 0
 
@@ -124,9 +162,9 @@ def test_the_rate_is_the_implicit_derivative():
 @pytest.mark.parametrize("name", FOOTPRINTS)
 def test_the_codes_drag_keeps_the_fixed_direction_and_contracts_at_this_rate(name):
     footprint, lever, length = FOOTPRINTS[name], 0.02, 0.05
-    force = expression(theory.friction_force())
+    force = expression(drag.friction_force())
     rate = expression(
-        theory.trailing_rate(sp.Symbol("r"), sp.Symbol("X")), sp.Symbol("r"), sp.Symbol("X")
+        drag.trailing_rate(sp.Symbol("r"), sp.Symbol("X")), sp.Symbol("r"), sp.Symbol("X")
     )
     slider = Slider(SQUARE, hitch=(lever, 0.0))
     for law, towards in ((EllipseFriction.isotropic(0.3), 1.0), (PLYWOOD, -2.0), (STRONG, 0.4)):
