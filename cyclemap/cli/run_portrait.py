@@ -45,7 +45,7 @@ from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 from cyclemap.views import fingerprint_page, portrait_page, sentences
 from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, if_known, json_of, written
 

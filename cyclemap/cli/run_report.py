@@ -60,7 +60,14 @@ def run_report(asked: ReportOptions) -> None:
         if asked.reset:
             advice, downloads = _what_to_do(drawn, chosen, lambda x: progress(0.9 + 0.1 * x))
             sections.append(advice)
-    sections.append(_how_sure(drawn))
+    lines = (
+        sentences.push_line(drawn),
+        sentences.parameters_line(drawn),
+        sentences.accuracy_line(drawn),
+        sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty),
+        sentences.material_line(drawn.loop.material),
+    )
+    sections.append(Section("How sure", tuple(filter(None, lines))))
     sections = [
         replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
     ]
@@ -91,18 +98,6 @@ def _what_to_do(
     protocol = protocol_text(drawn.loop, design.chosen.strategy, noise=chosen.noise)
     advice = Section("What to do", design_sentences(design))
     return advice, (Download("protocol.toml", protocol),)
-
-
-def _how_sure(drawn: Portrait) -> Section:
-    material = drawn.loop.material
-    lines = (
-        sentences.push_line(drawn),
-        sentences.parameters_line(drawn),
-        sentences.accuracy_line(drawn),
-        sentences.uncertainty_sentence(material.name, drawn.uncertainty),
-        sentences.material_line(material),
-    )
-    return Section("How sure", tuple(filter(None, lines)))
 
 
 def _beside_data(

@@ -213,7 +213,16 @@ def run_strategy_portrait(
             "upper": None,
             "locked": None,
         },
-        "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
+        # The stationary distribution, and how fast it is reached: by a factor a cycle.
+        "stationary": {
+            "noise_deg": degrees(sigma),
+            "peaks_deg": [*map(direction_deg, law.peaks)],
+            "spectral_gap": written(1.0 - factor),
+            "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
+            "tv_from_uniform": written(law.total_variation),
+            "tv_error": written(law.error),
+            "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
+        },
         "staircase": {**_NO_STEPS, "mean_turn_deg": degrees(mean_turn), "run": ran},
     }
     if pairs is not None:
@@ -243,18 +252,6 @@ def _law_words(
 
 def _mean_turn(theta: Array) -> float:
     return float((theta[-1] - theta[0]) / (len(theta) - 1))
-
-
-def _law_report(law: OrientationLaw, factor: float) -> Json:
-    """The stationary distribution, and how fast it is reached: by a factor a cycle."""
-    return {
-        "peaks_deg": [*map(direction_deg, law.peaks)],
-        "spectral_gap": written(1.0 - factor),
-        "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
-        "tv_from_uniform": written(law.total_variation),
-        "tv_error": written(law.error),
-        "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
-    }
 
 
 def run_strategy_staircase(

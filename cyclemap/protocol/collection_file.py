@@ -34,19 +34,21 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.protocol.setting_table import (
+from cyclemap.protocol.settings import (
     ALWAYS,
     NOISE_KEY,
     OWN,
+    OWN_OUTLINE,
     SETTINGS,
     SHAPES,
     SHARES,
     WORD,
     Settings,
+    loop_from_settings,
     setting_named,
+    warn_of_defaults,
     without_noise,
 )
-from cyclemap.protocol.settings import OWN_OUTLINE, loop_from_settings, warn_of_defaults
 from cyclemap.text_files import key_place, read_text, read_toml
 from cyclemap.written import (
     MILLIMETRES,

@@ -17,8 +17,14 @@ from cyclemap.mechanics import Ellipse, Polygon, grid_footprint, load_material
 from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.outline import Outline
 from cyclemap.protocol.collection_file import names_surface, read_settings
-from cyclemap.protocol.setting_table import SETTINGS, Settings, without_noise
-from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_settings
+from cyclemap.protocol.settings import (
+    SETTINGS,
+    Settings,
+    inherited_defaults,
+    layered,
+    loop_from_settings,
+    without_noise,
+)
 
 MM = 1000.0
 # MIT's experiment by the size of its object, the square root of the plate's area: where the ring

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 from cyclemap.sweeps import Grid, Sample, SweepAxis, SweepRange
 from cyclemap.sweeps.point_sets import SWEPT, parse_over
 
