@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from importlib import import_module
-from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -11,20 +10,13 @@ import pytest
 from cyclemap.lazy_names import import_on_first_use
 
 ROOMS = ("maps", "mechanics", "collection", "protocol", "evidence", "sweeps", "resets")
-# Functions that are called like the module they are in.
-NAMESAKES = (
-    *("collection.batch_experiment", "collection.fingerprint", "collection.portrait"),
-    "sweeps.run_sweep",
-)
 
 
-def loaded(code: str, names: tuple[str, ...]) -> list[str]:
+def loaded(code: str, *names: str) -> list[str]:
     """Which of the modules `names` a new process has loaded after `code`."""
-    probe = (
-        f"import sys\n{code}\nprint(*[name for name in {names!r} if name in sys.modules], "
-        "file=sys.stderr)"
-    )
-    run = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    probe = f"print(*[name for name in {names!r} if name in sys.modules], file=sys.stderr)"
+    words = [sys.executable, "-c", f"import sys\n{code}\n{probe}"]
+    run = subprocess.run(words, capture_output=True, text=True, check=True)
     # A slow machine has a portrait say how far it is before that.
     return run.stderr.splitlines()[-1].split()
 
@@ -43,34 +35,29 @@ def test_every_name_of_a_room_is_the_one_that_its_module_defines(room: str) -> N
 
 
 def test_a_name_loads_its_own_module_and_not_the_others() -> None:
-    assert loaded("import cyclemap", ("casadi", "scipy", "matplotlib")) == []
-    others = "cyclemap.maps.operator.transfer_operator", "cyclemap.maps.families.tongues", "scipy"
-    assert loaded("import cyclemap.maps", ("cyclemap.maps.lifts.circle_map", *others)) == []
-    assert loaded(
-        "from cyclemap.maps import CircleMap", ("cyclemap.maps.lifts.circle_map", *others)
-    ) == ["cyclemap.maps.lifts.circle_map"]
+    own = "cyclemap.maps.lifts.circle_map"
+    others = "cyclemap.maps.operator.transfer_operator", "cyclemap.maps.families.tongues"
+    slow = "casadi", "scipy", "matplotlib"
+    assert loaded("import cyclemap, cyclemap.maps", own, *others, *slow) == []
+    assert loaded("from cyclemap.maps import CircleMap", own, *others, *slow) == [own]
 
 
 @pytest.mark.slow
-def test_a_function_named_like_its_module_is_the_function_in_either_order() -> None:
-    """Python binds an imported submodule on its package; the public name must not change with the
-    order of imports.
-    """
-    for order in (
-        "import {0}",
-        "from {1} import {2}; import {0}",
-        "import {0}; from {1} import {2}",
+@pytest.mark.parametrize("order", ["import {0}", "from {1} import {2}; import {0}"])
+def test_a_function_named_like_its_module_is_the_function_in_either_order(order) -> None:
+    """Python binds an imported submodule on its package; the public name stays the function."""
+    lines = []
+    for room, name in (
+        ("collection", "batch_experiment"),
+        ("collection", "fingerprint"),
+        ("collection", "portrait"),
+        ("sweeps", "run_sweep"),
     ):
-        lines = []
-        for place in NAMESAKES:
-            room, name = place.split(".")
-            lines.append(order.format(f"cyclemap.{place}", f"cyclemap.{room}", name))
-            lines.append(
-                f"import cyclemap.{room}; assert callable(cyclemap.{room}.{name}), {place!r}"
-            )
-        assert loaded("\n".join(lines), ("cyclemap.collection.portrait",)) == [
-            "cyclemap.collection.portrait"
-        ]
+        package = f"cyclemap.{room}"
+        lines.append(order.format(f"{package}.{name}", package, name))
+        lines.append(f"from {package} import {name}; assert callable({package}.{name})")
+    module = "cyclemap.collection.portrait"
+    assert loaded("\n".join(lines), module) == [module]
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
@@ -91,26 +78,12 @@ def test_a_room_without_its_source_says_so(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.slow
-def test_a_portrait_loads_nothing_that_it_does_not_use(tmp_path: Path) -> None:
-    code = (
-        "from cyclemap.cli.main import run\n"
-        f"assert run(['portrait', 'plywood', '--out', {str(tmp_path)!r}, '--json', '-']) == 0\n"
-    )
-    slow = (
-        "scipy.optimize",
-        "scipy.stats",
-        "scipy.interpolate",
-        "scipy.spatial",
-        "pandas",
-        "h5py",
-        "xarray",
-    )
+def test_a_portrait_loads_nothing_that_it_does_not_use(tmp_path) -> None:
+    words = ["portrait", "plywood", "--out", str(tmp_path), "--json", "-"]
+    code = f"from cyclemap.cli.main import run\nassert run({words!r}) == 0"
     parts = ("evidence", "resets", "sweeps", "figures", "mechanics.dynamic_model")
-    assert loaded(
-        code,
-        (*slow, *(f"cyclemap.{part}" for part in parts), "matplotlib.pyplot", "matplotlib.figure"),
-    ) == ["matplotlib.figure"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "portrait_plywood.json",
-        "portrait_plywood.png",
-    ]
+    rooms = [f"cyclemap.{part}" for part in parts]
+    slow = ("scipy", "pandas", "h5py", "xarray", "matplotlib.pyplot", "matplotlib.figure")
+    assert loaded(code, *rooms, *slow) == ["matplotlib.figure"]
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["portrait_plywood.json", "portrait_plywood.png"]
