@@ -119,4 +119,3 @@ def test_filled_tables_are_identified_and_the_plan_goes_on_or_ends(here, said) -
     # What was found is a file that every command reads.
     found = cm.load_material("out/plan_box_measured.toml")
     assert found.posterior is not None and found.pressure_of("box") is not None
-    said("identify out/plan_box.csv --protocol box.toml --floor unknown --folds 0")
