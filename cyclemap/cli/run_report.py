@@ -44,7 +44,7 @@ def run_report(asked: ReportOptions) -> None:
     chosen = asked.loop.chosen_loop(asked.data)
     data = None if asked.data is None else readable_data(asked.data, asked.table, asked.out)
     pairs = None if data is None else collection_data(data, chosen.loop).pairs
-    cycles, start = length_and_start(None if pairs is None else pairs.path)
+    cycles, start = length_and_start(pairs)
     sections: list[Section] = []
     downloads: tuple[Download, ...] = ()
     with progress_bar(f"report on {chosen.loop.material.name}") as progress:
@@ -136,7 +136,7 @@ def run_explore(asked: ExploreOptions) -> None:
     pairs = None
     if asked.data is not None:
         pairs = measured_pairs(readable_data(asked.data, asked.table, asked.out))
-    cycles, start = length_and_start(None if pairs is None else pairs.path)
+    cycles, start = length_and_start(pairs)
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
         drawn = portrait(
             chosen.loop, sigma=chosen.sigma, cycles=cycles, start=start, progress=progress

@@ -195,7 +195,7 @@ def run_strategy_portrait(
     turns = map_turns(maps)
     measured = None if pairs is None else pairs.path
     law = orientation_law(turns, strategy, sigma)
-    theta, ran = _run(loop, strategy, sigma, measured, asked)
+    theta, ran = _run(loop, strategy, sigma, pairs, asked)
     mean_turn = _mean_turn(theta)
     factor = slowest_factor(turns, strategy, sigma)
     as_json: Json = {
@@ -265,8 +265,7 @@ def run_strategy_staircase(
     """
     loop = chosen.loop
     sigma = chosen.noise
-    data = None if measured is None else measured.path
-    theta, ran = _run(loop, strategy, sigma, data, asked)
+    theta, ran = _run(loop, strategy, sigma, measured, asked)
     steps = find_steps(theta)
     as_json: Json = {
         "noise_deg": degrees(sigma),
@@ -284,7 +283,7 @@ def run_strategy_staircase(
     )
     publish(
         as_json,
-        strategy_page(words, loop, strategy, theta, data),
+        strategy_page(words, loop, strategy, theta, None if measured is None else measured.path),
         asked.results,
         result_name("staircase", loop),
         *words,
@@ -295,13 +294,13 @@ def _run(
     loop: CollectionLoop,
     strategy: ResetStrategy,
     sigma: float,
-    data: Array | None,
+    measured: Theta0Pairs | MeasuredStaircase | None,
     asked: RunOptions,
 ) -> tuple[Array, Json]:
     """A run of the strategy by the full mechanics, from where the data start and as long where
     there are some.
     """
-    wanted = asked.run_beside(data)
+    wanted = asked.run_beside(measured)
     with progress_bar(f"{wanted['cycles']} cycles on {loop.material.name}") as report:
         run = run_strategy(loop, strategy, sigma=sigma, progress=report, **wanted)
     theta = run.theta[0]

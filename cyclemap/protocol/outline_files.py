@@ -164,13 +164,11 @@ class _Drawing:
 
 def _drawing(path: Path, underside: bool) -> _Drawing:
     kind = path.suffix.lower()
-    if kind == ".csv":
-        return _csv_drawing(path)
-    read_bytes(path, 2**26)
-    if kind == ".svg":
-        return _svg_drawing(path)
-    if kind == ".dxf":
-        return _dxf_drawing(path)
+    if kind != ".csv":
+        read_bytes(path, 2**26)
+    readers = {".csv": _csv_drawing, ".svg": _svg_drawing, ".dxf": _dxf_drawing}
+    if kind in readers:
+        return readers[kind](path)
     if kind in MESHES:
         return _Drawing(_mesh_outlines(_loaded_mesh(path), underside, path), None)
     if kind == ".urdf":

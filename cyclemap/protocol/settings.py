@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Any
 
+from cyclemap.arrays import Place
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
@@ -319,10 +320,7 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
         raise InvalidInput(f"{given[0]} and {given[1]} both name the outline: give one of them")
     if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
         raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
-    set_hitch, set_centre = (
-        _numbers(settings, f"slider.{place}") for place in ("hitch", "centre_of_mass")
-    )
-    hitch = set_hitch.get("0", slider.hitch[0]), set_hitch.get("1", slider.hitch[1])
+    hitch = _place(settings, "slider.hitch", slider.hitch)
     if "shape" in settings:
         slider = Slider.mit(str(settings["shape"]), hitch)
     elif given:
@@ -332,8 +330,7 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
             else Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
         )
         slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
-    x, y = slider.centre_of_mass
-    centre = (set_centre.get("0", x), set_centre.get("1", y))
+    centre = _place(settings, "slider.centre_of_mass", slider.centre_of_mass)
     name = str(settings.get("object_name", slider.name))
     file_stem(name)
     numbers: dict[str, Any] = _numbers(settings, "slider")
@@ -365,6 +362,12 @@ def _numbers(settings: Settings, owner: str) -> dict[str, float]:
         if place == owner and not SETTINGS[key].kind and name != "outline":
             numbers[name] = _si(key, value)
     return numbers
+
+
+def _place(settings: Settings, owner: str, unset: Place) -> Place:
+    """A place whose coordinates may be set, each for itself."""
+    coordinates = _numbers(settings, owner)
+    return coordinates.get("0", unset[0]), coordinates.get("1", unset[1])
 
 
 def _si(key: str, value: object) -> float:
