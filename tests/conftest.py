@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shlex
 import signal
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -89,46 +90,50 @@ def here(tmp_path, monkeypatch) -> Path:
 
 
 @pytest.fixture
-def printed(capsys) -> Callable[[], tuple[dict, str]]:
-    """Read what was printed: JSON without NaN or infinity and its text, and nothing on stderr."""
-
-    def read() -> tuple[dict, str]:
-        shown = capsys.readouterr()
-        assert shown.err == ""
-        return json.loads(
-            shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")
-        ), shown.out
-
-    return read
-
-
-@pytest.fixture
-def report_of(printed) -> Callable[..., dict]:
-    """The report of a command that is done and says nothing else."""
+def said(capsys) -> Callable[..., Any]:
+    """Run a command line as it is typed, ending with an exit code, and return what it says."""
     from cyclemap.cli.main import run
 
-    def read(*arguments: str) -> dict:
-        assert run([*arguments, "--json", "-"]) == 0
-        return printed()[0]
+    def read(line: str, code: int = 0) -> Any:
+        capsys.readouterr()
+        ended = run(shlex.split(line))
+        shown = capsys.readouterr()
+        assert ended == code, shown.err
+        return shown
 
     return read
 
 
 @pytest.fixture
-def saved_report(here, printed) -> Callable[..., dict]:
+def report_of(said) -> Callable[..., dict]:
+    """The report of a command, without NaN or infinity; it says nothing else, unless it may."""
+
+    def read(line: str, silent: bool = True) -> dict:
+        shown = said(f"{line} --json -")
+        assert not (silent and shown.err)
+        return report_in(shown.out)
+
+    return read
+
+
+def report_in(text: str) -> dict:
+    """A report from its text, which holds no NaN or infinity."""
+    return json.loads(text, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+
+
+@pytest.fixture
+def saved_report(here, said) -> Callable[..., dict]:
     """The report of a command that writes what it prints to `place`, beside a picture, and nothing
     else there.
     """
-    from cyclemap.cli.main import run
 
-    def read(place: str, *arguments: str) -> dict:
-        assert run([*arguments, "--json", "-"]) == 0
-        (report, text), path = printed(), here / place
+    def read(place: str, line: str) -> dict:
+        shown, path = said(f"{line} --json -"), here / place
         written = {file.name: file.read_bytes() for file in path.parent.iterdir()}
         assert set(written) == {f"{path.name}.png", f"{path.name}.json"}
         assert written[f"{path.name}.png"].startswith(b"\x89PNG")
-        assert written[f"{path.name}.json"].decode() == text
-        return report
+        assert (shown.err, shown.out.encode()) == ("", written[f"{path.name}.json"])
+        return report_in(shown.out)
 
     return read
 
@@ -171,17 +176,14 @@ def protocol_file(tmp_path) -> Callable[[str], Path]:
 
 
 @pytest.fixture
-def refused(here, capsys) -> Callable[..., None]:
+def refused(here, said) -> Callable[..., None]:
     """Run a command that is refused: one line with these words, the exit code, nothing on stdout,
     nothing written.
     """
-    from cyclemap.cli.main import run
 
-    def check(arguments: list[str], words: str, code: int = 2) -> None:
+    def check(line: str, words: str, code: int = 2) -> None:
         before = sorted(here.rglob("*"))
-        capsys.readouterr()
-        assert run(arguments) == code
-        shown = capsys.readouterr()
+        shown = said(line, code)
         assert shown.out == ""
         assert shown.err.startswith("error: ") and shown.err.count("\n") == 1
         assert words in shown.err

@@ -136,66 +136,50 @@ def _rows(header: str, columns: list[np.ndarray], sign: str = ",", decimal: str 
     return "\n".join(lines) + "\n"
 
 
+def _columns(start, end, length: float, metre: float = 1.0, radian: float = 1.0) -> list:
+    """Poses before and after, and the length of the push, in units of a house."""
+    unit = np.array([metre, metre, radian])
+    return [*(start * unit).T, *(end * unit).T, np.full(len(start), length)]
+
+
 def canonical(start, end, *_) -> str:
     """Metres and radians under our own names."""
-    return _rows("x0,y0,th0,x1,y1,th1,push_mm", [*start.T, *end.T, np.full(len(start), 110.0)])
+    return _rows("x0,y0,th0,x1,y1,th1,push_mm", _columns(start, end, 110.0))
 
 
 def wrapped_canonical(start, end, *_) -> str:
     """The same, angles wrapped."""
-    columns = [
-        *start.T[:2],
-        _wrapped(start[:, 2]),
-        *end.T[:2],
-        _wrapped(end[:, 2]),
-        np.full(len(start), 110.0),
-    ]
+    columns = _columns(start, end, 110.0)
+    columns[2], columns[5] = _wrapped(columns[2]), _wrapped(columns[5])
     return _rows("x0,y0,theta0,x1,y1,theta1,push_mm", columns)
 
 
 def millimetres(start, end, *_) -> str:
     """Millimetres and degrees under a house's names."""
-    header = (
-        "x_before_mm,y_before_mm,yaw_before_deg,x_after_mm,y_after_mm,yaw_after_deg,push_length_mm"
-    )
-    scale = np.array([1e3, 1e3, math.degrees(1.0)])
-    return _rows(header, [*(start * scale).T, *(end * scale).T, np.full(len(start), 110.0)])
+    before, after = "x_before_mm,y_before_mm,yaw_before_deg", "x_after_mm,y_after_mm,yaw_after_deg"
+    columns = _columns(start, end, 110.0, 1e3, math.degrees(1.0))
+    return _rows(f"{before},{after},push_length_mm", columns)
 
 
 def continental(start, end, *_) -> str:
     """Semicolons and decimal commas, centimetres."""
-    header = (
-        "Nr;x_start_cm;y_start_cm;Winkel_start_deg;x_end_cm;y_end_cm;Winkel_end_deg;push_length_cm"
-    )
-    scale = np.array([1e2, 1e2, math.degrees(1.0)])
-    columns = [
-        np.arange(len(start)),
-        *(start * scale).T,
-        *(end * scale).T,
-        np.full(len(start), 11.0),
-    ]
-    return _rows(header, columns, ";", ",")
+    before, after = "x_start_cm;y_start_cm;Winkel_start_deg", "x_end_cm;y_end_cm;Winkel_end_deg"
+    columns = [np.arange(len(start)), *_columns(start, end, 11.0, 1e2, math.degrees(1.0))]
+    return _rows(f"Nr;{before};{after};push_length_cm", columns, ";", ",")
 
 
 def inches(start, end, *_) -> str:
     """Inches and turns, and columns that say nothing here."""
     header = "px,py,id,x0_in,y0_in,theta0_turns,x1_in,y1_in,theta1_turns,push_length_in"
-    scale, nothing = np.array([1 / 0.0254, 1 / 0.0254, 0.5 / math.pi]), np.zeros(len(start))
-    columns = [
-        nothing,
-        nothing,
-        np.arange(len(start)),
-        *(start * scale).T,
-        *(end * scale).T,
-        nothing + 11.0 / 2.54,
-    ]
-    return _rows(header, columns)
+    number = np.arange(len(start))
+    columns = _columns(start, end, 11.0 / 2.54, 1.0 / 0.0254, 0.5 / math.pi)
+    return _rows(header, [0 * number, 0 * number, number, *columns])
 
 
 def shuffled(start, end, noise, generator, _) -> str:
     """Rows in any order, with the number of each push."""
     order = generator.permutation(len(start))
-    columns = [np.arange(len(start)), *start.T, *end.T, np.full(len(start), 0.11)]
+    columns = [np.arange(len(start)), *_columns(start, end, 0.11)]
     header = "push,x_before,y_before,theta_before,x_after,y_after,theta_after,push_length_m"
     return _rows(header, [column[order] for column in columns])
 
@@ -203,26 +187,24 @@ def shuffled(start, end, noise, generator, _) -> str:
 def json_lines(start, end, *_) -> str:
     """A JSON object a line, poses nested."""
     lines = []
-    for number, (a, b) in enumerate(zip(start, end, strict=True)):
-        before, after = (
-            dict(zip(("x", "y", "yaw"), pose.tolist(), strict=True)) for pose in (a, b)
-        )
-        lines.append(
-            json.dumps({"rep": number, "before": before, "after": after, "push_length": 0.11})
-        )
+    for number, poses in enumerate(zip(start.tolist(), end.tolist(), strict=True)):
+        before, after = (dict(zip(("x", "y", "yaw"), pose, strict=True)) for pose in poses)
+        row = {"rep": number, "before": before, "after": after, "push_length": 0.11}
+        lines.append(json.dumps(row))
     return "\n".join(lines) + "\n"
 
 
 def dirty(start, end, *_) -> str:
     """Our own names, three rows without a pose, and an empty field in a column that nobody
-    needs."""
-    text = canonical(start, end).splitlines()
-    lines = [f"{text[0]},remark"] + [
-        f"{line},{'' if number == 4 else 'ok'}" for number, line in enumerate(text[1:])
-    ]
-    for row in (7, 30, 31):
-        fields = lines[row].split(",")
-        lines[row] = ",".join([*fields[:3], "nan", "nan", "nan", *fields[6:]])
+    needs.
+    """
+    header, *rows = canonical(start, end).splitlines()
+    lines = [f"{header},remark"]
+    for number, row in enumerate(rows):
+        fields = row.split(",")
+        if number in (6, 29, 30):
+            fields[3:6] = ["nan"] * 3
+        lines.append(",".join([*fields, "" if number == 4 else "ok"]))
     return "\n".join(lines) + "\n"
 
 
@@ -254,18 +236,10 @@ def stream(start, end, noise, generator, table) -> str:
     return _rows("timestamp,x,y,qx,qy,qz,qw", [column[kept] for column in columns])
 
 
-_POSED = [
-    (canonical, ".csv"),
-    (wrapped_canonical, ".csv"),
-    (millimetres, ".csv"),
-    (continental, ".csv"),
-    (inches, ".csv"),
-    (shuffled, ".csv"),
-    (json_lines, ".jsonl"),
-    (dirty, ".csv"),
-    (stream, ".csv"),
-    (orientations, ".csv"),
-]
+_WRITERS = (
+    *(canonical, wrapped_canonical, millimetres, continental, inches),
+    *(shuffled, json_lines, dirty, stream, orientations),
+)
 _OTHERS = [name for name in CONVENTIONS if name != "ours"]
 
 
@@ -276,7 +250,8 @@ def thirty() -> tuple[Foreign, ...]:
     """
     made = []
     for number in range(30):
-        write, suffix = _POSED[number % 10]
+        write = _WRITERS[number % 10]
+        suffix = ".jsonl" if write is json_lines else ".csv"
         # Fifteen in our convention, fifteen in others, each writer in both.
         ours = (number // 10 + number) % 2 == 0
         convention = "ours" if ours else _OTHERS[(number // 2) % len(_OTHERS)]

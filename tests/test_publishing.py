@@ -1,11 +1,17 @@
-"""What a package index, an archive and a journal read is there, whole, and told once."""
+"""What people, a package index, an archive and a journal read is there, whole, and told once; what
+the README says to run runs.
+"""
 
 import re
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
+import click
+import pytest
+
 import cyclemap
+from cyclemap.cli.main import cli
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -53,3 +59,35 @@ def test_the_paper_is_of_the_journals_form() -> None:
 def test_who_wants_to_report_or_to_cite_finds_how() -> None:
     for name in ("SECURITY.md", "CODE_OF_CONDUCT.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE"):
         assert len(text(name).split()) > 60, name
+
+
+README = text("README.md")
+
+
+def test_the_readme_is_read_in_two_minutes() -> None:
+    assert len(README.splitlines()) <= 110
+    assert README.count("![") == 1
+
+
+def test_the_readmes_python_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
+    (example,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+    assert len(example.strip().splitlines()) <= 10
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, "README.md", "exec"), {})
+    said = capsys.readouterr().out
+    assert "63.17 stable" in said and "turns a cycle: 0.0" in said
+
+
+def test_the_readmes_commands_exist_with_their_options() -> None:
+    (block,) = re.findall(r"```sh\n(cyclemap .*?)```", README, flags=re.DOTALL)
+    commands = re.findall(r"^cyclemap (\w+) (.*?)(?: {2,}#.*)?$", block, flags=re.MULTILINE)
+    assert 6 <= len(commands) <= 8
+    for name, words in commands:
+        command = cli.commands[name]
+        with click.Context(command, info_name=name) as context:
+            command.make_parser(context).parse_args(args=words.split())
+
+
+@pytest.mark.parametrize("link", re.findall(r"\]\(([^)#:]+)\)", README))
+def test_the_readmes_links_lead_somewhere(link: str) -> None:
+    assert (ROOT / link).exists()

@@ -21,17 +21,12 @@ def run(tmp_path):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     venv = tmp_path / ".venv"
-    module.ROOT, module.VENV, module.STAMP, module.PYTHON = (
-        tmp_path,
-        venv,
-        venv / "stamp.json",
-        venv / "bin" / "python",
-    )
-    (tmp_path / "pyproject.toml").write_text(
-        '[project]\ndependencies = ["numpy>=2.0.0"]\n[project.optional-dependencies]\npeers = '
-        '["drake>=1.51"]\n'
-        '[dependency-groups]\ntest = ["pytest>=9"]\n'
-    )
+    module.ROOT, module.VENV = tmp_path, venv
+    module.STAMP, module.PYTHON = venv / "stamp.json", venv / "bin" / "python"
+    optional = '[project.optional-dependencies]\npeers = ["drake>=1.51"]\n'
+    groups = '[dependency-groups]\ntest = ["pytest>=9"]\n'
+    needed = f'[project]\ndependencies = ["numpy>=2.0.0"]\n{optional}{groups}'
+    (tmp_path / "pyproject.toml").write_text(needed)
     (tmp_path / "constraints.txt").write_text("numpy==2.4.6\npytest==9.2.0\n")
     (tmp_path / "setup.py").touch()
     return module
@@ -62,16 +57,20 @@ def installer(run, monkeypatch) -> SimpleNamespace:
         return list(made.calls)
 
     made.ensure = ensure
-    changed = {
-        **{"pip_works": lambda: made.pip, "engine_is_built": lambda: made.engine},
-        **{"rebuild": rebuild, "build_engine": build_engine},
-        "install": lambda testing, afresh=False: called(
-            f"install{' testing' * testing}{' afresh' * afresh}"
-        ),
-    }
-    for name, value in changed.items():
-        monkeypatch.setattr(run, name, value)
+
+    def install(testing: bool, afresh: bool = False) -> bool:
+        return called(f"install{' testing' * testing}{' afresh' * afresh}")
+
+    monkeypatch.setattr(run, "pip_works", lambda: made.pip)
+    monkeypatch.setattr(run, "engine_is_built", lambda: made.engine)
+    for function in (rebuild, build_engine, install):
+        monkeypatch.setattr(run, function.__name__, function)
     return made
+
+
+def change(run) -> None:
+    """Ask for another version."""
+    (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
 
 
 def test_what_is_there_is_not_installed_again_and_test_tools_are_added_once_and_kept(
@@ -81,7 +80,7 @@ def test_what_is_there_is_not_installed_again_and_test_tools_are_added_once_and_
     assert installer.ensure() == []
     assert installer.ensure(testing=True) == ["install testing"]
     assert installer.ensure(testing=True) == installer.ensure() == []
-    (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
+    change(run)
     assert installer.ensure() == ["install testing"]
 
 
@@ -101,7 +100,7 @@ def test_failed_installation_leaves_no_stamp_and_a_failed_update_what_was_there(
     refused(installer.ensure, told="could not install", kind=run.InstallError)
     assert not run.STAMP.exists()
     installer.ensure()
-    (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
+    change(run)
     installer.outcomes = [False]
     refused(installer.ensure, told=r"could not bring \.venv up to date", kind=run.InstallError)
     assert "rebuild" not in installer.calls
@@ -122,14 +121,15 @@ def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, nu
     made = []
     if pins != "constraints.txt":
         run.move_to(pins)
-        assert {path.parts[len(tmp_path.parts)] for path in (run.VENV, run.STAMP, run.PYTHON)} == {
-            f".venv-{pins}"
-        }
+        for path in (run.VENV, run.STAMP, run.PYTHON):
+            assert path.is_relative_to(tmp_path / f".venv-{pins}")
     run.VENV.mkdir()
-    done = run.subprocess.CompletedProcess((), 0)
-    monkeypatch.setattr(
-        run.subprocess, "run", lambda command, env, **_: made.append((command, env)) or done
-    )
+
+    def done(command, env, **_):
+        made.append((command, env))
+        return subprocess.CompletedProcess((), 0)
+
+    monkeypatch.setattr(run.subprocess, "run", done)
     assert run.install(testing=True)
     [(command, surroundings)] = made
     assert command[-1] == "pytest>=9"
@@ -151,31 +151,25 @@ def test_unfit_python_is_one_line_and_exit_1(
 ) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(run.sys, "version_info", version)
-    monkeypatch.setattr(
-        run.importlib.util, "find_spec", lambda name: None if name == missing else find(name)
-    )
+
+    def found(name):
+        return None if name == missing else find(name)
+
+    monkeypatch.setattr(run.importlib.util, "find_spec", found)
     assert run.main(["portrait", "plywood"]) == 1
-    shown = capsys.readouterr()
-    assert shown.err.startswith("error: ")
-    assert said in shown.err
-    assert shown.err.count("\n") == 1
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and said in error and error.count("\n") == 1
 
 
 def test_python_too_old_to_read_the_project_is_told_so() -> None:
     """Python 3.10 has no module tomllib: it is asked for after the version is."""
-    code = (
-        "import runpy, sys; sys.modules['tomllib'] = None; sys.version_info = (3, 10, 13); "
-        "sys.argv = ['run.py', 'portrait', 'plywood']; runpy.run_path('run.py', "
-        "run_name='__main__')"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
-    assert (
-        done.stderr
-        == "error: this is Python 3.10; cyclemap needs 3.11 or newer: run with a newer python3\n"
-    )
+    old = "import sys; sys.modules['tomllib'] = None; sys.version_info = (3, 10, 13)"
+    call = "sys.argv = ['run.py', 'portrait', 'plywood']"
+    code = f"{old}; {call}; import runpy; runpy.run_path('run.py', run_name='__main__')"
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    told = "this is Python 3.10; cyclemap needs 3.11 or newer: run with a newer python3"
+    assert (done.returncode, done.stderr) == (1, f"error: {told}\n")
 
 
 @pytest.mark.parametrize("made", [False, True])
@@ -186,7 +180,7 @@ def test_checkout_that_cannot_be_written_is_told_so_before_anything_is_tried(
     if made:
         installer.ensure()
         assert installer.ensure() == []
-        (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
+        change(run)
 
     def no_file(dir: Path) -> None:
         raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(dir))
@@ -196,11 +190,9 @@ def test_checkout_that_cannot_be_written_is_told_so_before_anything_is_tried(
     capsys.readouterr()
     assert run.main(["portrait", "plywood"]) == 1
     place = run.VENV if made else run.VENV.parent
-    told = (
-        f"error: {place} cannot be written (Read-only file system): make it writable, or copy "
-        "the checkout to "
-    )
-    assert capsys.readouterr().err == f"{told}a folder of yours and run it there\n"
+    told = f"{place} cannot be written (Read-only file system): make it writable, or copy"
+    mend = "the checkout to a folder of yours and run it there"
+    assert capsys.readouterr().err == f"error: {told} {mend}\n"
     assert installer.calls == []
 
 
@@ -226,17 +218,17 @@ def test_every_check_runs_any_failure_counts_and_a_quick_run_leaves_out_slow_tes
 def test_documentation_is_built_with_warnings_as_errors_and_its_place_told(
     run, monkeypatch, capsys, code, said
 ) -> None:
-    made: list[list[str]] = []
-    monkeypatch.setattr(
-        run, "ensure_installed", lambda testing: made.append(["installed", str(testing)])
-    )
-    monkeypatch.setattr(
-        run, "call", lambda command, cwd=None: made.append([str(part) for part in command]) or code
-    )
+    made = []
+
+    def call(command, cwd=None):
+        made.append(command)
+        return code
+
+    monkeypatch.setattr(run, "ensure_installed", lambda testing: made.append(testing))
+    monkeypatch.setattr(run, "call", call)
     assert run.main(["docs", "-j2"]) == code
-    assert made[0] == ["installed", "True"]
-    assert made[1][1:4] == ["-m", "sphinx", "-W"]
-    assert "-j2" in made[1]
+    assert made[0] is True
+    assert list(made[1][1:4]) == ["-m", "sphinx", "-W"] and "-j2" in made[1]
     assert capsys.readouterr().out.strip().endswith(said)
 
 

@@ -19,8 +19,10 @@ from cyclemap.plain_text import key_and_value, plain_number, plain_whole, printa
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-    from cyclemap.arrays import Array
+    from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
     from cyclemap.protocol.chosen_loop import ChosenCollection
+
+    Measured = Theta0Pairs | MeasuredStaircase | None
 
 _ONE_MATERIAL = "give one material: a name or a TOML file, as MATERIAL or with --material"
 Default = TypeVar("Default")
@@ -273,18 +275,17 @@ class RunOptions:
     seed: int = seed_option("Seed of its noise.")
     results: ResultOptions = group("COMMAND_MATERIAL.png and .json")
 
-    def run_beside(self, path: "Array | None") -> dict[str, Any]:
-        """Length, start and seed of the run: those of a measured path (rad), unless told
-        otherwise.
-        """
-        length, start = length_and_start(path)
+    def run_beside(self, measured: "Measured") -> dict[str, Any]:
+        """Length, start and seed of the run: those of a measured path, unless told otherwise."""
+        length, start = length_and_start(measured)
         return {"cycles": self.cycles or length, "start": start, "seed": self.seed}
 
 
-def length_and_start(path: "Array | None") -> tuple[int, float]:
-    """Cycles, and θ0 (rad), of a run beside a measured path (rad), or of one alone."""
+def length_and_start(measured: "Measured") -> tuple[int, float]:
+    """Cycles, and θ0 (rad), of a run beside a measured path, or of one alone."""
     from cyclemap.collection.portrait import DEFAULT_CYCLES
 
+    path = None if measured is None else measured.path
     return (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
 
 

@@ -316,10 +316,12 @@ def push_report(push: SidePush) -> Json:
 
 def orbit_report(orbit: Orbit) -> Json:
     """Where a fixed point is, and whether it is stable."""
-    return {
-        "theta_deg": direction_deg(float(orbit.points[0])),
-        **json_of(orbit, "multiplier", "stable"),
-    }
+    return {"theta_deg": orbit_deg(orbit), **json_of(orbit, "multiplier", "stable")}
+
+
+def orbit_deg(orbit: Orbit) -> float:
+    """Where a fixed point is, degrees."""
+    return direction_deg(float(orbit.points[0]))
 
 
 def uncertainty_report(known: DirectionUncertainty) -> Json:
@@ -350,21 +352,17 @@ def steps_report(steps: Steps) -> Json:
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    report = steps_report(measured.steps)
+    report: Json = {"fitted": None, "problem": measured.problem or None, "comparison": None}
     foretold = measured.foretold
-    if foretold is None:
-        return {**report, "fitted": None, "problem": measured.problem, "comparison": None}
-    return {
-        **report,
-        "fitted": {
+    if foretold is not None:
+        report["fitted"] = {
             "harmonics": foretold.fitted.law.harmonics,
             "pairs": foretold.fitted.pairs,
             "noise_deg": degrees(foretold.fitted.sigma),
             **json_of(foretold.prediction),
-        },
-        "problem": None,
-        "comparison": comparison_report(foretold.comparison),
-    }
+        }
+        report["comparison"] = comparison_report(foretold.comparison)
+    return steps_report(measured.steps) | report
 
 
 def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:

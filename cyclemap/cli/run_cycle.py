@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import click
+import numpy as np
 
 from cyclemap.cli.commands import CycleOptions, DynamicsOptions, ExperimentOptions, SimulateOptions
 from cyclemap.cli.output import (
@@ -44,7 +45,6 @@ from cyclemap.mechanics import load_material
 from cyclemap.plain_text import number_or_nan
 from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.views import experiment_page as page
-from cyclemap.views.experiment_page import difference_sentence, dynamics_page
 from cyclemap.written import MILLIMETRES, Json, degrees, direction_deg, json_of, rows, written
 
 DEFAULT_SPEED_MM_S = 20.0
@@ -57,16 +57,7 @@ COLUMNS = (
     "drag (mm)",
     "next θ0 (°)",
 )
-DYNAMIC_COLUMNS = (
-    "law",
-    "model",
-    "θ0 (°)",
-    "push turn (°)",
-    "dx (mm)",
-    "dy (mm)",
-    "drag turn (°)",
-    "next θ0 (°)",
-)
+DYNAMIC_COLUMNS = ("law", "model", *COLUMNS[:5], COLUMNS[6])
 # Up to so many degrees an orientation is known to a thousandth of a degree.
 LARGEST_DEG = 1e12
 
@@ -78,7 +69,7 @@ def run_cycle(asked: CycleOptions) -> None:
     all_rows = list[Json]()
     tables = []
     for title, loop, turn, more in _acted(chosen):
-        cycles = loop.cycles([math.radians(start) for start in starts])
+        cycles = loop.cycles(np.radians(starts))
         of_loop = rows(
             **cycle_columns(starts, cycles),
             drag_mm=written(cycles.drag_length, MILLIMETRES),
@@ -87,7 +78,7 @@ def run_cycle(asked: CycleOptions) -> None:
         )
         cells = [[f"{value:.3f}" for value in row.values()] for row in of_loop]
         tables.append(people_table(title, COLUMNS, cells))
-        all_rows += [{**row, **more} for row in of_loop]
+        all_rows += [row | more for row in of_loop]
     report: Json = {"cycles": all_rows}
     if asked.out is not None:
         write_json(asked.out / f"{result_name('cycles', chosen.loop)}.json", report)
@@ -102,7 +93,7 @@ def _acted(chosen: ChosenCollection) -> Iterator[tuple[str, CollectionLoop, floa
     """
     loop = chosen.loop
     strategy = chosen.strategy
-    name = chosen.loop.material.name
+    name = loop.material.name
     if strategy is None:
         yield f"One push and drag back on {name}", loop, 0.0, {}
         return
@@ -131,19 +122,18 @@ def parse_angles(text: str) -> list[float]:
     >>> parse_angles("0, -30,60.5")
     [0.0, -30.0, 60.5]
     """
-    angles = []
-    for word in map(str.strip, text.split(",")):
-        value = number_or_nan(word)
-        if not math.isfinite(value):
+    words = [word.strip() for word in text.split(",")]
+    angles = [number_or_nan(word) for word in words]
+    for word, angle in zip(words, angles, strict=True):
+        if not math.isfinite(angle):
             raise InvalidInput(
                 f"--theta0-deg has {word!r}; give finite numbers with commas, such as 0,30,60"
             )
-        if abs(value) > LARGEST_DEG:
+        if abs(angle) > LARGEST_DEG:
             raise InvalidInput(
                 f"--theta0-deg has {word!r}, whose part of a turn is lost to rounding; wrap it "
                 "first"
             )
-        angles.append(value)
     return angles
 
 
@@ -163,7 +153,7 @@ def run_dynamics(asked: DynamicsOptions) -> None:
     JSON.
     """
     starts_deg = parse_angles(asked.theta0_deg)
-    theta = [math.radians(start) for start in starts_deg]
+    theta = np.radians(starts_deg)
     chosen = _on_even_floor(asked.loop.chosen_loop().loop)
     loop = DynamicLoop(chosen, speed=1e-3 * asked.speed_mm_s)
     with progress_bar(f"dynamic cycles on {chosen.material.name}") as report:
@@ -178,26 +168,24 @@ def run_dynamics(asked: DynamicsOptions) -> None:
         }
         for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
     }
+    mu = isotropic.loop.loop.material.friction.mu_a
     as_json: Json = {
         "speed_mm_s": written(loop.speed, MILLIMETRES),
         **cycles,
-        "isotropic": {
-            "mu": written(isotropic.loop.loop.material.friction.mu_a),
-            **cycles["isotropic"],
-        },
+        "isotropic": {"mu": mu, **cycles["isotropic"]},
     }
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", DYNAMIC_COLUMNS, words=(0, 1))
     for law, models in cycles.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
-    words = (difference_sentence(material), difference_sentence(isotropic))
     publish(
         as_json,
-        dynamics_page(material, isotropic),
+        page.dynamics_page(material, isotropic),
         asked.results,
         result_name("dynamics", chosen),
-        *words,
+        page.difference_sentence(material),
+        page.difference_sentence(isotropic),
         table,
     )
 
@@ -223,11 +211,10 @@ def run_experiment(asked: ExperimentOptions) -> None:
     loop = asked.loop.chosen_loop().loop
     if asked.quasi_static and asked.speed_mm_s is not None:
         raise InvalidInput("--speed-mm-s is of dynamic cycles: leave it or --quasi-static out")
-    speed_mm_s = DEFAULT_SPEED_MM_S if asked.speed_mm_s is None else asked.speed_mm_s
     run: CollectionLoop | DynamicLoop = loop
     if not asked.quasi_static:
         loop = _on_even_floor(loop)
-        run = DynamicLoop(loop, speed=1e-3 * speed_mm_s)
+        run = DynamicLoop(loop, speed=1e-3 * (asked.speed_mm_s or DEFAULT_SPEED_MM_S))
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, asked.batches, asked.cycles, report)
     as_json: Json = {
@@ -283,6 +270,12 @@ def run_simulate(asked: SimulateOptions) -> None:
         actions = strategy.run(asked.cycles, asked.seed)
         cycle_by_cycle["cycle_loops"] = tuple(action.on(loop) for action in actions)
         cycle_by_cycle["gripper_turns"] = tuple(action.turn for action in actions)
+    noise = RecordingNoise(
+        turn=chosen.noise if asked.noise_deg is None else math.radians(asked.noise_deg),
+        position=1e-3 * asked.pose_noise_mm,
+        angle=math.radians(asked.pose_noise_deg),
+        force=asked.force_noise_n,
+    )
     own = loop.material.noise if asked.noise_deg is None and chosen.sigma is None else None
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
@@ -290,7 +283,7 @@ def run_simulate(asked: SimulateOptions) -> None:
             asked.out,
             asked.cycles,
             start=math.radians(asked.start_deg),
-            noise=_noise(asked, chosen.noise),
+            noise=noise,
             cycle_noise=None if own is None else LocalNoise(own.log_sigma, own.correlation),
             speed=1e-3 * asked.speed_mm_s,
             wear_to=None if asked.wear_to is None else load_material(asked.wear_to),
@@ -307,16 +300,6 @@ def run_simulate(asked: SimulateOptions) -> None:
     }
     if not publish_json(as_json, asked.json):
         PeopleConsole().tell(*_sentences(made))
-
-
-def _noise(asked: SimulateOptions, turn: float) -> RecordingNoise:
-    """The noise that is asked for; turn : rad, of a cycle where none is."""
-    return RecordingNoise(
-        turn=turn if asked.noise_deg is None else math.radians(asked.noise_deg),
-        position=1e-3 * asked.pose_noise_mm,
-        angle=math.radians(asked.pose_noise_deg),
-        force=asked.force_noise_n,
-    )
 
 
 def _sentences(made: SimulatedCollection) -> tuple[str, ...]:

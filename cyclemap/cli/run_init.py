@@ -22,8 +22,7 @@ from cyclemap.protocol.chosen_loop import set_settings
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.protocol.outline_files import read_outline
 from cyclemap.protocol.own_object import check_collection, first_settings, within_reach
-from cyclemap.protocol.setting_table import SETTINGS, without_noise
-from cyclemap.protocol.settings import layered, loop_from_settings
+from cyclemap.protocol.settings import SETTINGS, layered, loop_from_settings, without_noise
 from cyclemap.text_files import write_whole
 from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import object_page

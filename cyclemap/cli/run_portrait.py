@@ -17,6 +17,7 @@ from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
     measured_report,
+    orbit_deg,
     orbit_report,
     people_table,
     progress_bar,
@@ -44,8 +45,7 @@ from cyclemap.collection.portrait import (
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import Orbit
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 from cyclemap.views import fingerprint_page, portrait_page, sentences
 from cyclemap.written import DEGREES, Json, Unit, degrees, direction_deg, if_known, json_of, written
 
@@ -72,7 +72,7 @@ def run_portrait(asked: PortraitOptions) -> None:
             )
         run_strategy_portrait(chosen, chosen.strategy, pairs, asked)
         return
-    run = asked.run_beside(None if pairs is None else pairs.path)
+    run = asked.run_beside(pairs)
     with progress_bar(f"cycle map of {loop.material.name}") as done:
         drawn = portrait(loop, sigma=chosen.sigma, progress=done, **run)
     measured = None if pairs is None else _overlay(pairs, drawn)
@@ -207,7 +207,7 @@ def run_staircase(asked: StaircaseOptions) -> None:
 
         run_strategy_staircase(chosen, chosen.strategy, measured, asked)
         return
-    run = asked.run_beside(None if measured is None else measured.path)
+    run = asked.run_beside(measured)
     with progress_bar(f"staircase of {loop.material.name}") as report:
         forecast = staircase_forecast(loop, sigma=chosen.sigma, progress=report, **run)
     publish(
@@ -335,7 +335,7 @@ def fingerprint_report(
             "checked": [
                 {
                     "predicted_deg": direction_deg(direction.predicted.theta),
-                    "full_deg": if_known(_direction, direction.full),
+                    "full_deg": if_known(orbit_deg, direction.full),
                     "miss_deg": degrees(direction.miss),
                     "within_error": direction.within_error,
                 }
@@ -357,7 +357,7 @@ def _prediction(prediction: Prediction, name: str) -> Json:
             {
                 **orbit_report(direction.orbit),
                 "error_deg": degrees(direction.error),
-                "second_order_deg": if_known(_direction, direction.second_order),
+                "second_order_deg": if_known(orbit_deg, direction.second_order),
             }
             for direction in prediction.directions
         ],
@@ -369,10 +369,6 @@ def _prediction(prediction: Prediction, name: str) -> Json:
         "lock_in_scale_range": written(prediction.lock_in_range),
         "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
     }
-
-
-def _direction(orbit: Orbit) -> float:
-    return direction_deg(float(orbit.points[0]))
 
 
 def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:

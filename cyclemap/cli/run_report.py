@@ -44,7 +44,7 @@ def run_report(asked: ReportOptions) -> None:
     chosen = asked.loop.chosen_loop(asked.data)
     data = None if asked.data is None else readable_data(asked.data, asked.table, asked.out)
     pairs = None if data is None else collection_data(data, chosen.loop).pairs
-    cycles, start = length_and_start(None if pairs is None else pairs.path)
+    cycles, start = length_and_start(pairs)
     sections: list[Section] = []
     downloads: tuple[Download, ...] = ()
     with progress_bar(f"report on {chosen.loop.material.name}") as progress:
@@ -60,7 +60,14 @@ def run_report(asked: ReportOptions) -> None:
         if asked.reset:
             advice, downloads = _what_to_do(drawn, chosen, lambda x: progress(0.9 + 0.1 * x))
             sections.append(advice)
-    sections.append(_how_sure(drawn))
+    lines = (
+        sentences.push_line(drawn),
+        sentences.parameters_line(drawn),
+        sentences.accuracy_line(drawn),
+        sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty),
+        sentences.material_line(drawn.loop.material),
+    )
+    sections.append(Section("How sure", tuple(filter(None, lines))))
     sections = [
         replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
     ]
@@ -91,18 +98,6 @@ def _what_to_do(
     protocol = protocol_text(drawn.loop, design.chosen.strategy, noise=chosen.noise)
     advice = Section("What to do", design_sentences(design))
     return advice, (Download("protocol.toml", protocol),)
-
-
-def _how_sure(drawn: Portrait) -> Section:
-    material = drawn.loop.material
-    lines = (
-        sentences.push_line(drawn),
-        sentences.parameters_line(drawn),
-        sentences.accuracy_line(drawn),
-        sentences.uncertainty_sentence(material.name, drawn.uncertainty),
-        sentences.material_line(material),
-    )
-    return Section("How sure", tuple(filter(None, lines)))
 
 
 def _beside_data(
@@ -141,7 +136,7 @@ def run_explore(asked: ExploreOptions) -> None:
     pairs = None
     if asked.data is not None:
         pairs = measured_pairs(readable_data(asked.data, asked.table, asked.out))
-    cycles, start = length_and_start(None if pairs is None else pairs.path)
+    cycles, start = length_and_start(pairs)
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
         drawn = portrait(
             chosen.loop, sigma=chosen.sigma, cycles=cycles, start=start, progress=progress

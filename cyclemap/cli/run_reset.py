@@ -195,7 +195,7 @@ def run_strategy_portrait(
     turns = map_turns(maps)
     measured = None if pairs is None else pairs.path
     law = orientation_law(turns, strategy, sigma)
-    theta, ran = _run(loop, strategy, sigma, measured, asked)
+    theta, ran = _run(loop, strategy, sigma, pairs, asked)
     mean_turn = _mean_turn(theta)
     factor = slowest_factor(turns, strategy, sigma)
     as_json: Json = {
@@ -213,7 +213,16 @@ def run_strategy_portrait(
             "upper": None,
             "locked": None,
         },
-        "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
+        # The stationary distribution, and how fast it is reached: by a factor a cycle.
+        "stationary": {
+            "noise_deg": degrees(sigma),
+            "peaks_deg": [*map(direction_deg, law.peaks)],
+            "spectral_gap": written(1.0 - factor),
+            "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
+            "tv_from_uniform": written(law.total_variation),
+            "tv_error": written(law.error),
+            "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
+        },
         "staircase": {**_NO_STEPS, "mean_turn_deg": degrees(mean_turn), "run": ran},
     }
     if pairs is not None:
@@ -245,18 +254,6 @@ def _mean_turn(theta: Array) -> float:
     return float((theta[-1] - theta[0]) / (len(theta) - 1))
 
 
-def _law_report(law: OrientationLaw, factor: float) -> Json:
-    """The stationary distribution, and how fast it is reached: by a factor a cycle."""
-    return {
-        "peaks_deg": [*map(direction_deg, law.peaks)],
-        "spectral_gap": written(1.0 - factor),
-        "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
-        "tv_from_uniform": written(law.total_variation),
-        "tv_error": written(law.error),
-        "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
-    }
-
-
 def run_strategy_staircase(
     chosen: ChosenCollection,
     strategy: ResetStrategy,
@@ -268,8 +265,7 @@ def run_strategy_staircase(
     """
     loop = chosen.loop
     sigma = chosen.noise
-    data = None if measured is None else measured.path
-    theta, ran = _run(loop, strategy, sigma, data, asked)
+    theta, ran = _run(loop, strategy, sigma, measured, asked)
     steps = find_steps(theta)
     as_json: Json = {
         "noise_deg": degrees(sigma),
@@ -287,7 +283,7 @@ def run_strategy_staircase(
     )
     publish(
         as_json,
-        strategy_page(words, loop, strategy, theta, data),
+        strategy_page(words, loop, strategy, theta, None if measured is None else measured.path),
         asked.results,
         result_name("staircase", loop),
         *words,
@@ -298,13 +294,13 @@ def _run(
     loop: CollectionLoop,
     strategy: ResetStrategy,
     sigma: float,
-    data: Array | None,
+    measured: Theta0Pairs | MeasuredStaircase | None,
     asked: RunOptions,
 ) -> tuple[Array, Json]:
     """A run of the strategy by the full mechanics, from where the data start and as long where
     there are some.
     """
-    wanted = asked.run_beside(data)
+    wanted = asked.run_beside(measured)
     with progress_bar(f"{wanted['cycles']} cycles on {loop.material.name}") as report:
         run = run_strategy(loop, strategy, sigma=sigma, progress=report, **wanted)
     theta = run.theta[0]

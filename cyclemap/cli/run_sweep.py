@@ -21,8 +21,7 @@ from cyclemap.cli.output import (
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.protocol.chosen_loop import said_settings, set_settings, strategy_file
-from cyclemap.protocol.setting_table import SETTINGS
-from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
+from cyclemap.protocol.settings import SETTINGS, layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.sweep_plan import SweepPlan

@@ -16,8 +16,15 @@ from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import key_and_value
 from cyclemap.protocol.collection_file import data_settings, names_surface
 from cyclemap.protocol.protocol_file import read_protocol
-from cyclemap.protocol.setting_table import SETTINGS, Settings, setting_named, without_noise
-from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
+from cyclemap.protocol.settings import (
+    SETTINGS,
+    Settings,
+    layered,
+    loop_from_settings,
+    setting_named,
+    warn_of_defaults,
+    without_noise,
+)
 from cyclemap.protocol.strategy import ResetStrategy, one_loop, overruled_settings
 
 

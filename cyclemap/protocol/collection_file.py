@@ -21,7 +21,6 @@ import numpy as np
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput, located
-from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import (
     Ellipse,
     PatchFootprint,
@@ -34,19 +33,21 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.protocol.setting_table import (
+from cyclemap.protocol.settings import (
     ALWAYS,
     NOISE_KEY,
     OWN,
+    OWN_OUTLINE,
     SETTINGS,
     SHAPES,
     SHARES,
     WORD,
     Settings,
+    loop_from_settings,
     setting_named,
+    warn_of_defaults,
     without_noise,
 )
-from cyclemap.protocol.settings import OWN_OUTLINE, loop_from_settings, warn_of_defaults
 from cyclemap.text_files import key_place, read_text, read_toml
 from cyclemap.written import (
     MILLIMETRES,
@@ -72,14 +73,11 @@ _READ_OFF = [
 ]
 
 
-def collection_tables(
-    loop: CollectionLoop, noise: WrappedNormal | float | None = None
-) -> dict[str, Table]:
+def collection_tables(loop: CollectionLoop, noise: float | None = None) -> dict[str, Table]:
     """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by
     their part.
 
-    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad, told in a table of its
-        own.
+    noise : of a cycle, standard deviation in rad, told in a table of its own.
 
     Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and
     the rod's friction. What a material brings along is else told only where the loop has it
@@ -116,8 +114,7 @@ def collection_tables(
             "it was"
         )
     if noise is not None:
-        sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
-        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
+        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", noise))}
     return {name: table for name, table in tables.items() if table}
 
 
@@ -158,9 +155,8 @@ def _shape(slider: Slider) -> Settings:
             return {"shape": shape}
     name: Settings = {} if slider.name == OWN_OUTLINE else {"object_name": slider.name}
     if isinstance(slider.outline, Ellipse):
-        semi_x, semi_y = (
-            _written(MILLIMETRES, value) for value in (slider.outline.semi_x, slider.outline.semi_y)
-        )
+        semi_x = _written(MILLIMETRES, slider.outline.semi_x)
+        semi_y = _written(MILLIMETRES, slider.outline.semi_y)
         return {"semi_x_mm": semi_x, "semi_y_mm": semi_y, **name}
     assert isinstance(slider.outline, Polygon)
     return {"vertices_mm": _written(MILLIMETRES, slider.outline.array.tolist()), **name}
@@ -322,14 +318,14 @@ def _collection_of(data: str | Path) -> Path | None:
 def collection_text(
     loop: CollectionLoop,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     more: Mapping[str, Table] | None = None,
     comments: tuple[str, ...] = (),
     notes: Mapping[str, str] | None = None,
 ) -> str:
     """Return a loop with its surface as the text of a file.
 
-    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad.
+    noise : of a cycle, standard deviation in rad.
     more : further tables.
     comments : lines before all else.
     notes : what is said of a setting, by its key.

@@ -127,7 +127,11 @@ def read_outline(
     """
     path = Path(path)
     drawing = _drawing(path, underside)
-    line = _largest(path, drawing.lines)
+    if not drawing.lines:
+        raise DataFileError(
+            f"{path}: no closed line: close the path of the outline, or join its lines"
+        )
+    line = max(drawing.lines, key=lambda line: abs(_twice_area(line)))
     known = drawing.known
     if unit is not None:
         metres = UNITS[unit]
@@ -160,13 +164,11 @@ class _Drawing:
 
 def _drawing(path: Path, underside: bool) -> _Drawing:
     kind = path.suffix.lower()
-    if kind == ".csv":
-        return _csv_drawing(path)
-    read_bytes(path, 2**26)
-    if kind == ".svg":
-        return _svg_drawing(path)
-    if kind == ".dxf":
-        return _dxf_drawing(path)
+    if kind != ".csv":
+        read_bytes(path, 2**26)
+    readers = {".csv": _csv_drawing, ".svg": _svg_drawing, ".dxf": _dxf_drawing}
+    if kind in readers:
+        return readers[kind](path)
     if kind in MESHES:
         return _Drawing(_mesh_outlines(_loaded_mesh(path), underside, path), None)
     if kind == ".urdf":
@@ -203,15 +205,6 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
         f"points, simplified within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
     )
     return OutlineFile(outline, (words,))
-
-
-def _largest(path: Path, lines: Sequence[Array]) -> Array:
-    """The closed line around the largest area."""
-    if not lines:
-        raise DataFileError(
-            f"{path}: no closed line: close the path of the outline, or join its lines"
-        )
-    return max(lines, key=lambda line: abs(_twice_area(line)))
 
 
 def _twice_area(line: Array) -> float:

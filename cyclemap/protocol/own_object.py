@@ -17,8 +17,14 @@ from cyclemap.mechanics import Ellipse, Polygon, grid_footprint, load_material
 from cyclemap.mechanics.contact_curve import first_contact
 from cyclemap.mechanics.outline import Outline
 from cyclemap.protocol.collection_file import names_surface, read_settings
-from cyclemap.protocol.setting_table import SETTINGS, Settings, without_noise
-from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_settings
+from cyclemap.protocol.settings import (
+    SETTINGS,
+    Settings,
+    inherited_defaults,
+    layered,
+    loop_from_settings,
+    without_noise,
+)
 
 MM = 1000.0
 # MIT's experiment by the size of its object, the square root of the plate's area: where the ring
@@ -64,11 +70,7 @@ def first_settings(outline: Outline, name: str) -> Settings:
         corner = np.array([-outline.semi_x, outline.semi_y])
         slant = _SLANT if 1.0 / _ROUND < outline.semi_x / outline.semi_y < _ROUND else 0.0
     else:
-        shape = {
-            "vertices_mm": [
-                [round(MM * coordinate, 6) for coordinate in vertex] for vertex in outline.vertices
-            ]
-        }
+        shape = {"vertices_mm": (MM * outline.array).round(6).tolist()}
         side = _longest_outer_side(outline)
         slant = 0.0
         corner = outline.array[(side + 1) % outline.sides]
@@ -109,11 +111,11 @@ def _longest_outer_side(outline: Polygon) -> int:
     start = outline.array
     edge = np.roll(start, -1, axis=0) - start
     length = np.hypot(*edge.T)
-    beyond = [
-        float((ahead[0] * (start - corner)[:, 1] - ahead[1] * (start - corner)[:, 0]).min())
-        for corner, ahead in zip(start, edge / length[:, None], strict=True)
-    ]
-    outer = [side for side in range(outline.sides) if beyond[side] >= -1e-9 * outline.extent]
+    along_x, along_y = edge.T / length
+    away = start[:, None] - start
+    # How far every corner is to the left of every side.
+    left = along_x * away[..., 1] - along_y * away[..., 0]
+    outer = np.flatnonzero(left.min(axis=0) >= -1e-9 * outline.extent).tolist()
     return max(
         outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side)
     )

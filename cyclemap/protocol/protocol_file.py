@@ -13,7 +13,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput, located, unknown_name
 from cyclemap.mechanics import SidePush
 from cyclemap.protocol.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
-from cyclemap.protocol.setting_table import SETTINGS, Settings
+from cyclemap.protocol.settings import SETTINGS, Settings
 from cyclemap.protocol.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
 from cyclemap.text_files import read_toml, write_whole
 from cyclemap.written import (

@@ -1,14 +1,23 @@
-"""A loop from settings in degrees and millimetres, by name; layers of settings, and what they leave
-to MIT.
+"""Every fact of an experiment that can be set, told once, in `settings.toml`: key, unit, usual
+range, meaning, and where a loop has it; a loop from settings by name, and what they leave to MIT.
+
+From this table come --set, the files' tables and their checks, sweeps, the explorer's sliders, what
+`cyclemap check` doubts, the comments that `cyclemap init` writes, and the table of the guide.
 """
 
+from __future__ import annotations
+
+import math
+import tomllib
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from importlib import resources
 from typing import Any
 
-from cyclemap.checks import finite_number
+from cyclemap.arrays import Place
+from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics import (
@@ -25,15 +34,115 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.foundation import FLAT
 from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint, pressed_footprint
-from cyclemap.protocol.setting_table import (
-    NOISE_KEY,
-    SETTINGS,
-    SHAPES,
-    SHARES,
-    Settings,
-    without_noise,
-)
+from cyclemap.plain_text import json_value, plain_number
 from cyclemap.text_files import file_stem
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, FileUnit
+
+Settings = dict[str, object]
+
+NOISE_KEY = "noise_deg"
+WORD = "word"
+POINTS = "points"
+ALWAYS = "always"
+OWN = "own"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One fact of an experiment, by the key of `--set`, whose ending tells its unit.
+
+    group : of sliders, and of a file's tables.
+    place : the attribute of a loop, by dots, in SI units.
+    kind : what its values are, a number, WORD or POINTS.
+    default : words for MIT's, where it is no number of the loop.
+    written : when a file says it: ALWAYS, of an object of one's OWN; else where it is changed.
+    label, low, high, step : of its slider; the range is the usual one, in the key's unit, and holds
+        nobody to it.
+    """
+
+    key: str
+    group: str
+    place: str
+    meaning: str
+    kind: str = ""
+    default: str = ""
+    written: str = ""
+    label: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    step: float = 0.0
+
+    @property
+    def unit(self) -> FileUnit:
+        """The unit that the key's ending tells."""
+        return {"deg": DEGREES, "mm": MILLIMETRES}.get(self.key.rpartition("_")[2], NUMBER)
+
+    def of(self, loop: CollectionLoop) -> Any:
+        """Return the value that a loop has, in SI units; None where it has none."""
+        value: Any = loop
+        for name in self.place.split("."):
+            value = value[int(name)] if name.isdigit() else getattr(value, name, None)
+        return value
+
+    def parsed(self, text: str) -> object:
+        """Return the value that people mean by a text; the text itself, for `checked` to refuse,
+        where it is none.
+        """
+        if self.kind == WORD:
+            return text
+        try:
+            return json_value(text) if self.kind == POINTS else plain_number(text)
+        except ValueError:
+            return text
+
+    def checked(self, value: object) -> object:
+        """Return a value that the key may have, numbers as float, points as tuples; InvalidInput
+        otherwise.
+
+        Whether the values of several keys go together only the loop can tell.
+        """
+        if self.kind == WORD:
+            if not isinstance(value, str) or not value:
+                raise InvalidInput(f"{self.key} must be a word, not {value!r}")
+            return value
+        if self.kind == POINTS:
+            pairs = finite_array(self.key, value, last=2, ndim=2)  # type: ignore[arg-type]
+            return tuple(map(tuple, pairs.tolist()))
+        return (positive_number if self.key == NOISE_KEY else finite_number)(self.key, value)
+
+
+_TEXT = (resources.files("cyclemap.protocol") / "settings.toml").read_text(encoding="utf-8")
+SETTINGS = {key: Setting(key, **facts) for key, facts in tomllib.loads(_TEXT).items()}
+SHARES = tuple(
+    key
+    for key, setting in SETTINGS.items()
+    if setting.place.startswith("footprint.") and setting.group == "Pressure"
+)
+SHAPES = tuple(key for key, setting in SETTINGS.items() if setting.group == "Shape")
+
+
+def setting_named(key: str) -> Setting:
+    """Return the setting of a key; InvalidInput, with the nearest one, where there is none.
+
+    >>> setting_named("push_mm").group
+    'Push'
+    """
+    if key not in SETTINGS:
+        raise unknown_name("setting", key, SETTINGS)
+    return SETTINGS[key]
+
+
+def without_noise(settings: Mapping[str, object]) -> tuple[Settings, float | None]:
+    """Return the settings of a loop, and the noise of a cycle (standard deviation, rad) where they
+    name one.
+
+    >>> without_noise({"mu_a": 0.3, "noise_deg": 180})
+    ({'mu_a': 0.3}, 3.141592653589793)
+    """
+    noise = settings.get(NOISE_KEY)
+    sigma = None if noise is None else math.radians(positive_number(NOISE_KEY, noise))
+    return {key: value for key, value in settings.items() if key != NOISE_KEY}, sigma
+
 
 # What an outline that is not MIT's is called until it is given a name.
 OWN_OUTLINE = "own outline"
@@ -211,10 +320,7 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
         raise InvalidInput(f"{given[0]} and {given[1]} both name the outline: give one of them")
     if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
         raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
-    set_hitch, set_centre = (
-        _numbers(settings, f"slider.{place}") for place in ("hitch", "centre_of_mass")
-    )
-    hitch = set_hitch.get("0", slider.hitch[0]), set_hitch.get("1", slider.hitch[1])
+    hitch = _place(settings, "slider.hitch", slider.hitch)
     if "shape" in settings:
         slider = Slider.mit(str(settings["shape"]), hitch)
     elif given:
@@ -224,8 +330,7 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
             else Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
         )
         slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
-    x, y = slider.centre_of_mass
-    centre = (set_centre.get("0", x), set_centre.get("1", y))
+    centre = _place(settings, "slider.centre_of_mass", slider.centre_of_mass)
     name = str(settings.get("object_name", slider.name))
     file_stem(name)
     numbers: dict[str, Any] = _numbers(settings, "slider")
@@ -257,6 +362,12 @@ def _numbers(settings: Settings, owner: str) -> dict[str, float]:
         if place == owner and not SETTINGS[key].kind and name != "outline":
             numbers[name] = _si(key, value)
     return numbers
+
+
+def _place(settings: Settings, owner: str, unset: Place) -> Place:
+    """A place whose coordinates may be set, each for itself."""
+    coordinates = _numbers(settings, owner)
+    return coordinates.get("0", unset[0]), coordinates.get("1", unset[1])
 
 
 def _si(key: str, value: object) -> float:

@@ -16,8 +16,7 @@ from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.maps import Bifurcation, BifurcationCurve, CircleMap, Estimate, follow_bifurcation
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.progress import Progress, unheard
-from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
-from cyclemap.protocol.settings import loop_from_settings
+from cyclemap.protocol.settings import SETTINGS, Setting, loop_from_settings, setting_named
 from cyclemap.written import DIRECTION
 
 # Shares of the way to either end of a setting's usual range at which the stable directions are

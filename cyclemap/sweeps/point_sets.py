@@ -18,7 +18,7 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Slider, load_material
 from cyclemap.plain_text import json_value, key_and_value, plain_number, plain_whole
-from cyclemap.protocol.setting_table import POINTS, SETTINGS, WORD, Setting
+from cyclemap.protocol.settings import POINTS, SETTINGS, WORD, Setting
 
 MATERIAL_KEY = "material"
 FOOTPRINT_KEY = "footprint"

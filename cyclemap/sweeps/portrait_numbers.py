@@ -36,8 +36,7 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.mechanics import Material
-from cyclemap.protocol.setting_table import without_noise
-from cyclemap.protocol.settings import loop_from_settings
+from cyclemap.protocol.settings import loop_from_settings, without_noise
 
 PACKAGE = Path(__file__).parents[1]
 # The rooms below the sweeps, and the one file here that calls them.

@@ -14,8 +14,7 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Material, load_material
-from cyclemap.protocol.setting_table import without_noise
-from cyclemap.protocol.settings import loop_from_settings
+from cyclemap.protocol.settings import loop_from_settings, without_noise
 from cyclemap.sweeps.point_sets import (
     FOOTPRINT_KEY,
     MATERIAL_KEY,

@@ -32,7 +32,7 @@ from cyclemap.mechanics import Ellipse
 from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
 from cyclemap.plain_text import typeset
 from cyclemap.protocol.collection_file import collection_tables, plain_numbers
-from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES
+from cyclemap.protocol.settings import NOISE_KEY, SETTINGS, SHAPES, SHARES
 from cyclemap.views import sentences
 from cyclemap.views.panels.layout import render
 from cyclemap.views.portrait_page import portrait_page

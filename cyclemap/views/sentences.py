@@ -19,7 +19,7 @@ from cyclemap.collection.uncertain_directions import (
 from cyclemap.maps import RestMultiplier, StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
 from cyclemap.mechanics.contact_curve import first_contact
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop

@@ -10,7 +10,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from cyclemap import CollectionLoop
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 
 
 def markdown() -> str:

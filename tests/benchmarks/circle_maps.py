@@ -23,7 +23,7 @@ from cyclemap.maps import (
     tongue,
     transfer_operator,
 )
-from tests.benchmarks.timing import Row, seconds, show
+from tests.benchmarks.timing import Row, seconds, show, timed
 
 TURN = 2 * math.pi
 SINE, NOISE = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.05 * TURN)
@@ -51,20 +51,19 @@ def ulam_density(cells: int) -> np.ndarray:
 def density_rows() -> list[Row]:
     """The stationary density of the noisy sine map at 256 angles: exact modes,
     and Ulam's method."""
-    truth = transfer_operator(SINE, NOISE).density(ANGLES)
+
+    def density() -> np.ndarray:
+        return transfer_operator(SINE, NOISE).density(ANGLES)
+
+    def bound() -> float:
+        return transfer_operator(SINE, NOISE).error_bound
+
     cells = 1024
-    off = float(np.max(np.abs(ulam_density(cells)[:: cells // 256] - truth)))
-    bound = transfer_operator(SINE, NOISE).error_bound
-    ours = seconds(lambda: transfer_operator(SINE, NOISE).density(ANGLES), 21)
-    bounded = seconds(lambda: transfer_operator(SINE, NOISE).error_bound, 21)
+    off = float(np.max(np.abs(ulam_density(cells)[:: cells // 256] - density())))
     return [
-        Row("density at σ = .05 turns", ours, f"error bound {bound:.0e}"),
-        Row("the same with its error bound", bounded, "256 angles"),
-        Row(
-            f"Ulam's method, {cells} cells",
-            seconds(lambda: ulam_density(cells), 3),
-            f"off by {off:.0e}",
-        ),
+        timed("density at σ = .05 turns", density, f"error bound {bound():.0e}", 21),
+        timed("the same with its error bound", bound, "256 angles", 21),
+        timed(f"Ulam's method, {cells} cells", lambda: ulam_density(cells), f"off by {off:.0e}", 3),
     ]
 
 
@@ -84,22 +83,11 @@ def orbit_rows() -> list[Row]:
     """All 4,095 points of period 12 of the doubling map."""
     doubling = CircleMap.blaschke([0.0, 0.0])
     steep = CircleMap(lambda x: 4096.0 * x, lambda x: np.full_like(x, 4096.0), degree=4096)
+    periodic, fixed = partial(periodic_points, doubling, 12), partial(fixed_points, steep)
     return [
-        Row(
-            "points of period 12, doubling map",
-            seconds(lambda: periodic_points(doubling, 12)),
-            f"{periodic_points(doubling, 12).count} points",
-        ),
-        Row(
-            "fixed points of θ → 4096 θ",
-            seconds(lambda: fixed_points(steep)),
-            f"{len(fixed_points(steep))} points",
-        ),
-        Row(
-            "a plain grid and SciPy's brentq",
-            seconds(brentq_points, 3),
-            f"{brentq_points()} points",
-        ),
+        timed("points of period 12, doubling map", periodic, f"{periodic().count} points"),
+        timed("fixed points of θ → 4096 θ", fixed, f"{len(fixed())} points"),
+        timed("a plain grid and SciPy's brentq", brentq_points, f"{brentq_points()} points", 3),
     ]
 
 
@@ -116,19 +104,10 @@ def rotation_rows() -> list[Row]:
     some = slice(0, 20_000)
     rows = []
     for threads in (1, 2):
-        taken = (
-            seconds(
-                lambda n=threads: rotation_numbers(ARNOLD_FAMILY, OMEGA, STRENGTH, threads=n), 3
-            )
-            / OMEGA.size
-        )
-        rows.append(
-            Row(
-                f"a rotation number to 1e-3, {threads} thread(s)",
-                taken,
-                f"{1 / taken:.3g} a second",
-            )
-        )
+        numbers = partial(rotation_numbers, ARNOLD_FAMILY, OMEGA, STRENGTH, threads=threads)
+        taken = seconds(numbers, 3) / OMEGA.size
+        name = f"a rotation number to 1e-3, {threads} thread(s)"
+        rows.append(Row(name, taken, f"{1 / taken:.3g} a second"))
     plain = seconds(lambda: plain_rotation(OMEGA[some], STRENGTH[some]), 3) / 20_000
     return [*rows, Row("1,000 iterates in NumPy", plain, f"{1 / plain:.3g} a second")]
 
@@ -147,20 +126,12 @@ def bisected_edge() -> float:
 
 def tongue_rows() -> list[Row]:
     """The tongue 1/3 of the sine family at K = 0.9."""
-    family = partial(CircleMap.arnold, K=0.9)
-    left = tongue(family, (1, 3), (0.3, 0.37)).left
+    edges = partial(tongue, partial(CircleMap.arnold, K=0.9), (1, 3), (0.3, 0.37))
+    left = edges().left
     off = abs(bisected_edge() - float(left))
     return [
-        Row(
-            "both edges of a tongue",
-            seconds(lambda: tongue(family, (1, 3), (0.3, 0.37))),
-            f"to {left.error_bound:.0e}",
-        ),
-        Row(
-            "one by bisection of plain iterates",
-            seconds(bisected_edge, 1),
-            f"off by {off:.0e} turns",
-        ),
+        timed("both edges of a tongue", edges, f"to {left.error_bound:.0e}"),
+        timed("one by bisection of plain iterates", bisected_edge, f"off by {off:.0e} turns", 1),
     ]
 
 

@@ -45,7 +45,7 @@ from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.schema import PARAMETERS
 from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE, thread_count
 from cyclemap.mechanics.foundation import FLAT
-from tests.benchmarks.timing import Row, in_turns, map_alone, seconds, show
+from tests.benchmarks.timing import Row, in_turns, map_alone, seconds, show, timed
 
 MIT = CollectionLoop.mit()
 ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
@@ -111,20 +111,10 @@ def cycle_rows() -> list[Row]:
     rows = []
     for accuracy in ACCURACIES:
         loop = replace(MIT, accuracy=accuracy)
-        rows.append(
-            row(f"cycles in one call at {accuracy:g}", lambda loop=loop: loop.cycles(THETA))
-        )
+        rows.append(row(f"cycles in one call at {accuracy:g}", partial(loop.cycles, THETA)))
         rows.append(row("  one a call", lambda loop=loop: list(map(loop.cycle, THETA.tolist()))))
-        for name, count in (
-            ("with slopes", 1),
-            (f"with {len(PARAMETERS)} derivatives", len(PARAMETERS)),
-        ):
-            rows.append(
-                row(
-                    f"  {name}",
-                    lambda loop=loop, count=count: run_batch((loop,), THETA[None], count),
-                )
-            )
+        for name, count in (("slopes", 1), (f"{len(PARAMETERS)} derivatives", len(PARAMETERS))):
+            rows.append(row(f"  with {name}", partial(run_batch, (loop,), THETA[None], count)))
     return rows
 
 
@@ -136,12 +126,7 @@ def footprint_rows() -> list[Row]:
     for name, footprint in FOOTPRINTS.items():
         loop = replace(MIT, footprint=footprint)
         for what, count in (("", 0), (", slopes", 1), (", all derivatives", len(PARAMETERS))):
-            rows.append(
-                row(
-                    f"{name}{what}",
-                    lambda loop=loop, count=count: run_batch((loop,), THETA[None], count),
-                )
-            )
+            rows.append(row(f"{name}{what}", partial(run_batch, (loop,), THETA[None], count)))
     return rows
 
 
@@ -192,15 +177,13 @@ def push_rows() -> list[Row]:
 
 def map_rows() -> list[Row]:
     """A whole cycle map, on all cores; and the five numbers of the protocol, for any material."""
+    grid = replace(MIT, footprint=grid_footprint(SQUARE, 8))
     maps = [(f"map at {tolerance:g}", MIT, tolerance) for tolerance in (1e-3, 1e-5, 1e-6, 1e-8)]
-    maps.append(
-        ("8 x 8 points, map at 1e-5", replace(MIT, footprint=grid_footprint(SQUARE, 8)), 1e-5)
-    )
     rows = [
-        Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores")
-        for name, loop, tolerance in maps
+        timed(name, map_alone(loop, tolerance), "plywood, all cores")
+        for name, loop, tolerance in (*maps, ("8 x 8 points, map at 1e-5", grid, 1e-5))
     ]
-    return [*rows, Row("fingerprint", seconds(lambda: fingerprint(MIT), 3), "any material")]
+    return [*rows, timed("fingerprint", lambda: fingerprint(MIT), "any material", 3)]
 
 
 def portrait_rows(rounds: int = 5) -> list[Row]:
@@ -238,14 +221,9 @@ def batch_rows(repeats: int = 3) -> list[Row]:
     """
 
     def loops() -> list[CollectionLoop]:
-        rng = np.random.default_rng(1)
-        laws = [
-            EllipseFriction(
-                *rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi)
-            )
-            for _ in range(MATERIALS)
-        ]
-        return [replace(MIT, material=Material("random", law)) for law in laws]
+        low, high = (0.15, 0.15, -0.05, -0.05, 0.0), (0.4, 0.4, 0.05, 0.05, math.pi)
+        laws = np.random.default_rng(1).uniform(low, high, (MATERIALS, 5))
+        return [replace(MIT, material=Material("random", EllipseFriction(*law))) for law in laws]
 
     cores, cycles = thread_count(), MATERIALS * BATCH.size
     ways = {
@@ -257,11 +235,10 @@ def batch_rows(repeats: int = 3) -> list[Row]:
         ),
         "a call a cycle": lambda: [loop.cycle(t) for loop in loops() for t in BATCH.tolist()],
     }
-    found = in_turns(list(ways.values()), repeats)
-    told = zip(ways, found, strict=True)
-    return [
-        Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in told
-    ]
+    rows = []
+    for name, taken in zip(ways, in_turns(list(ways.values()), repeats), strict=True):
+        rows.append(Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second"))
+    return rows
 
 
 def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
@@ -269,12 +246,11 @@ def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
     theta = np.linspace(-math.pi, math.pi, cycles)
     counts = sorted({1, thread_count()})
     found = in_turns([on(n, lambda: MIT.cycles(theta)) for n in counts], repeats)
-    return [
-        Row(
-            f"{n} thread(s)", taken, f"{found[0] / taken:.2f} times as fast as 1, {cycles:,} cycles"
-        )
-        for n, taken in zip(counts, found, strict=True)
-    ]
+    rows = []
+    for n, taken in zip(counts, found, strict=True):
+        note = f"{found[0] / taken:.2f} times as fast as 1, {cycles:,} cycles"
+        rows.append(Row(f"{n} thread(s)", taken, note))
+    return rows
 
 
 def step_rows() -> list[Row]:
@@ -286,10 +262,8 @@ def step_rows() -> list[Row]:
     rng, slider = np.random.default_rng(0), Slider.mit("rect1")
     model, made, pushes = surface_model(SURFACE, slider), [], []
     for number in range(PUSHES):
-        start, way = (
-            Pose(theta=float(rng.uniform(-math.pi, math.pi))),
-            float(rng.uniform(-math.pi, math.pi)),
-        )
+        theta, way = rng.uniform(-math.pi, math.pi, 2).tolist()
+        start = Pose(theta=theta)
         near = start.to_world(*rng.uniform(-0.02, 0.02, 2).tolist())
         first = near[0] - LENGTH * math.cos(way), near[1] - LENGTH * math.sin(way)
         pushes.append((start, WorldPush(first, way, LENGTH)))
@@ -304,13 +278,9 @@ def step_rows() -> list[Row]:
 
     note = f"{PUSHES} pushes, {len(block.parameters)} parameters"
     return [
-        Row("residuals and derivatives", seconds(lambda: block.residuals(values), 9), note),
-        Row(
-            "the pushes alone, one a call",
-            seconds(lambda: [model.push(*one) for one in pushes], 5),
-            note,
-        ),
-        Row("residuals, derivatives by differences", seconds(by_differences, 1), note),
+        timed("residuals and derivatives", lambda: block.residuals(values), note, 9),
+        timed("the pushes alone, one a call", lambda: [model.push(*row) for row in pushes], note),
+        timed("residuals, derivatives by differences", by_differences, note, 1),
     ]
 
 

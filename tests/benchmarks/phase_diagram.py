@@ -19,7 +19,6 @@ import json
 import random
 import resource
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -59,15 +58,8 @@ def go(
 
     Returns its pace, points a second once the workers are at work, and what it tells at its end.
     """
-    command = [
-        sys.executable,
-        "-m",
-        "tests.benchmarks.phase_diagram",
-        "--child",
-        str(store),
-        str(side),
-        str(workers),
-    ]
+    command = [sys.executable, "-m", "tests.benchmarks.phase_diagram", "--child"]
+    command += [str(store), str(side), str(workers)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     moments, told = [], []
@@ -98,14 +90,9 @@ def compare_workers(folder: Path, side: int, rounds: int, workers: int) -> None:
                 f"{many} at work on {side**2} points: {pace:.1f} points a second, {each:.0f} ms "
                 "of processor each"
             )
-    ratios = [
-        several / (workers * one) for one, several in zip(paces[1], paces[workers], strict=True)
-    ]
-    told = ", ".join(f"{ratio:.2f}" for ratio in ratios)
-    print(
-        f"{workers} over 1: {workers * statistics.median(ratios):.2f} times as fast (efficiency "
-        f"{told})"
-    )
+    ratios = np.divide(paces[workers], paces[1])
+    told = ", ".join(f"{ratio / workers:.2f}" for ratio in ratios)
+    print(f"{workers} over 1: {np.median(ratios):.2f} times as fast (efficiency {told})")
 
 
 def whole(store: Path, side: int, workers: int, kills: int, seed: int) -> tuple[float, float]:

@@ -28,6 +28,11 @@ def seconds(
     return in_turns([run], repeats, clock)[0]
 
 
+def timed(name: str, run: Callable[[], object], note: str, repeats: int = 5) -> Row:
+    """The row of a run."""
+    return Row(name, seconds(run, repeats), note)
+
+
 def in_turns(
     runs: list[Callable[[], object]], rounds: int, clock: Callable[[], float] = time.perf_counter
 ) -> list[float]:

@@ -12,7 +12,7 @@ from cyclemap.cli.main import cli
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
 from cyclemap.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 
 TESTS = Path(__file__).parents[1]
 DOCS = TESTS.parent / "docs"

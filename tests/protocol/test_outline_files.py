@@ -21,14 +21,16 @@ AREA = 80 * 20 + 20 * 60
 CENTROID = np.array([40.0, (80 * 20 * 10 + 20 * 60 * 50) / AREA])
 
 
+def svg(shapes: str, frame: str = "") -> str:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {frame}>{shapes}</svg>'
+
+
 def write_svg(path):
     """Drawn with y down, in a group that turns it up again."""
     steps = " ".join(f"L{x} {y}" for x, y in TEE[1:])
-    path.write_text(
-        '<svg xmlns="http://www.w3.org/2000/svg" width="8cm" height="8cm" viewBox="0 0 80 80">'
-        f'<g transform="translate(0,80) scale(1,-1)"><path d="M0 0 {steps} Z"/></g><circle '
-        'cx="5" cy="5" r="2"/></svg>'
-    )
+    turned = f'<g transform="translate(0,80) scale(1,-1)"><path d="M0 0 {steps} Z"/></g>'
+    frame = 'width="8cm" height="8cm" viewBox="0 0 80 80"'
+    path.write_text(svg(f'{turned}<circle cx="5" cy="5" r="2"/>', frame))
 
 
 def write_dxf(path):
@@ -61,33 +63,24 @@ def write_stl(path, scale=1.0, height=10.0):
 def write_urdf(path):
     """A mesh in metres, turned by a quarter about z."""
     write_stl(path.with_name("tee_m.stl"), 1e-3)
-    path.write_text(
-        '<robot name="t"><link name="base"/><link name="tee"><collision><origin rpy="0 0 '
-        '1.5707963267948966"/><geometry><mesh '
-        'filename="package://tee_m.stl"/></geometry></collision></link></robot>'
-    )
+    shape = '<geometry><mesh filename="package://tee_m.stl"/></geometry>'
+    solid = f'<collision><origin rpy="0 0 1.5707963267948966"/>{shape}</collision>'
+    links = f'<link name="base"/><link name="tee">{solid}</link>'
+    path.write_text(f'<robot name="t">{links}</robot>')
 
 
 def write_csv(path):
     path.write_text("x_mm;y_mm\n" + "".join(f"{x};{y}\n" for x, y in reversed(TEE)))
 
 
-WRITERS = {
-    "tee.svg": write_svg,
-    "tee.dxf": write_dxf,
-    "tee.stl": write_stl,
-    "tee.urdf": write_urdf,
-    "tee.csv": write_csv,
-}
-
-
-@pytest.mark.parametrize("name", WRITERS)
-def test_a_tee_is_the_same_outline_from_every_kind_of_file(tmp_path, name) -> None:
-    WRITERS[name](tmp_path / name)
+@pytest.mark.parametrize("write", [write_svg, write_dxf, write_stl, write_urdf, write_csv])
+def test_a_tee_is_the_same_outline_from_every_kind_of_file(tmp_path, write) -> None:
+    name = f"tee.{write.__name__[-4:].strip('_')}"
+    write(tmp_path / name)
     found = read_outline(tmp_path / name)
     wanted = np.array(TEE) - CENTROID
     if name == "tee.urdf":
-        wanted = np.stack([-wanted[:, 1], wanted[:, 0]], axis=-1)
+        wanted = wanted[:, ::-1] * (-1, 1)
     assert found.outline.sides == 8
     assert found.outline.area == pytest.approx(1e-6 * AREA, rel=1e-6)
     assert found.outline.centroid == pytest.approx((0.0, 0.0), abs=1e-8)
@@ -97,12 +90,12 @@ def test_a_tee_is_the_same_outline_from_every_kind_of_file(tmp_path, name) -> No
 
 
 def test_units_are_as_told_before_all_else(tmp_path) -> None:
-    write_stl(tmp_path / "tee.stl", 1e-3)
-    assert read_outline(tmp_path / "tee.stl").outline.area == pytest.approx(1e-6 * AREA, rel=1e-5)
-    assert read_outline(tmp_path / "tee.stl", "inch", 1e-6).outline.area == pytest.approx(
-        0.0254**2 * 1e-6 * AREA, rel=1e-4
-    )
-    assert "guessed" in read_outline(tmp_path / "tee.stl").words[0]
+    path = tmp_path / "tee.stl"
+    write_stl(path, 1e-3)
+    guessed, told = read_outline(path), read_outline(path, "inch", 1e-6).outline
+    assert guessed.outline.area == pytest.approx(1e-6 * AREA, rel=1e-5)
+    assert "guessed" in guessed.words[0]
+    assert told.area == pytest.approx(0.0254**2 * 1e-6 * AREA, rel=1e-4)
 
 
 def test_the_underside_of_a_mesh_is_its_foot_print(tmp_path) -> None:
@@ -110,20 +103,18 @@ def test_the_underside_of_a_mesh_is_its_foot_print(tmp_path) -> None:
 
     low = trimesh.creation.box((40.0, 40.0, 10.0))
     high = trimesh.creation.box((100.0, 60.0, 10.0)).apply_translation((0.0, 0.0, 10.0))
-    trimesh.util.concatenate([low, high]).export(tmp_path / "table.stl")
-    assert read_outline(tmp_path / "table.stl").outline.area == pytest.approx(6e-3, rel=1e-5)
-    assert read_outline(tmp_path / "table.stl", underside=True).outline.area == pytest.approx(
-        1.6e-3, rel=1e-5
-    )
+    path = tmp_path / "table.stl"
+    trimesh.util.concatenate([low, high]).export(path)
+    assert read_outline(path).outline.area == pytest.approx(6e-3, rel=1e-5)
+    below = read_outline(path, underside=True).outline
+    assert below.area == pytest.approx(1.6e-3, rel=1e-5)
 
 
 @pytest.mark.slow
 def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> None:
     path = tmp_path / "disc.svg"
-    path.write_text(
-        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 '
-        '100"><circle cx="50" cy="50" r="40"/></svg>'
-    )
+    frame = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
+    path.write_text(svg('<circle cx="50" cy="50" r="40"/>', frame))
     sides = []
     for tolerance in (1e-5, 1e-4, 1e-3):
         outline = read_outline(path, tolerance=tolerance).outline
@@ -133,24 +124,21 @@ def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> Non
     assert sides == sorted(sides, reverse=True) and sides[0] > sides[-1]
 
 
-VISUAL = '<robot><link name="a"><visual><geometry>{}</geometry></visual></link></robot>'
+BOX = '<link name="a"><visual><geometry><box size="0.1 0..2 1"/></geometry></visual></link>'
 REFUSED = [
-    (
-        "open.svg",
-        '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H80V20"/></svg>',
-        "no closed line",
-    ),
+    ("open.svg", svg('<path d="M0 0H80V20"/>'), "no closed line"),
     ("no.svg", "not a drawing", "not an SVG drawing"),
     ("no.dxf", "not a drawing", "not a DXF drawing"),
     ("no.stl", "solid nothing\nendsolid nothing\n", "not a mesh|no triangles"),
     ("no.urdf", "<robot/>", "0 links with a geometry"),
-    (
-        "box.urdf",
-        VISUAL.format('<box size="0.1 0..2 1"/>'),
-        r"a geometry or origin of a .* \('0..2' is not a number",
-    ),
+    ("box.urdf", f"<robot>{BOX}</robot>", r"a geometry or origin of a .* \('0..2' is not a num"),
     ("two.csv", "0,0\n1,0\n", "2 vertices; an outline has three"),
     ("bad.csv", "x,y\n0,0\n1,zero\n", "line 3: two numbers x,y are wanted"),
+    ("plain.csv", "1,0,0\n2,80,0\n3,80,20\n", "3 columns without names: which are x and y"),
+    ("named.csv", "a,b\n0,0\n80,0\n80,20\n", "the header is a,b: name the columns x and y"),
+    ("units.csv", "x_mm,y_cm\n0,0\n80,0\n80,2\n", "x and y in different units"),
+    ("ells.csv", "x_ells,y_ells\n0,0\n80,0\n80,2\n", "ells is no unit"),
+    ("twice.csv", "x_mm,y_mm,x_cm\n0,0,0\n80,0,8\n80,2,8\n", "may both be x"),
     ("gone.svg", None, "there is no such file"),
 ]
 
@@ -162,21 +150,17 @@ def test_what_is_no_outline_another_kind_of_file_and_a_missing_library_are_told(
         if content is not None:
             (tmp_path / name).write_text(content)
         refused(read_outline, tmp_path / name, told=told, kind=DataFileError)
-    (tmp_path / "tee.step").write_text("x")
-    refused(
-        read_outline, tmp_path / "tee.step", told=r"read from \.svg, \.dxf, .*, not from \.step"
-    )
-    write_svg(tmp_path / "tee.svg")
+    step, drawing = tmp_path / "tee.step", tmp_path / "tee.svg"
+    step.write_text("x")
+    refused(read_outline, step, told=r"read from \.svg, \.dxf, .*, not from \.step")
+    write_svg(drawing)
 
     def missing(name):
         raise ImportError(name)
 
     monkeypatch.setattr(outline_files, "import_module", missing)
-    refused(
-        read_outline,
-        tmp_path / "tee.svg",
-        told=r"needs svgpathtools: python -m pip install '\.\[outlines\]'",
-    )
+    install = r"needs svgpathtools: python -m pip install '\.\[outlines\]'"
+    refused(read_outline, drawing, told=install)
 
 
 @pytest.mark.parametrize(
@@ -200,65 +184,38 @@ def test_vertices_are_read_by_the_names_and_units_of_their_columns(
     (tmp_path / "part.csv").write_text(text)
     corners = 1e3 * read_outline(tmp_path / "part.csv", unit).outline.array
     assert np.ptp(corners, axis=0) == pytest.approx([width, height], abs=1e-6)
-    right_angle = corners[
-        np.argmin(
-            [abs((corners[k - 1] - corners[k]) @ (corners[k - 2] - corners[k])) for k in range(3)]
-        )
-    ]
+    sides = np.roll(corners, 1, axis=0) - corners, np.roll(corners, 2, axis=0) - corners
+    right_angle = corners[np.argmin(np.abs(np.sum(sides[0] * sides[1], axis=1)))]
     assert right_angle == pytest.approx([width / 3.0, -height / 3.0], abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("1,0,0\n2,80,0\n3,80,20\n", "3 columns without names: which are x and y"),
-        ("a,b\n0,0\n80,0\n80,20\n", "the header is a,b: name the columns x and y"),
-        ("x_mm,y_cm\n0,0\n80,0\n80,2\n", "x and y in different units"),
-        ("x_ells,y_ells\n0,0\n80,0\n80,2\n", "ells is no unit"),
-        ("x_mm,y_mm,x_cm\n0,0,0\n80,0,8\n80,2,8\n", "may both be x"),
-    ],
-)
-def test_vertices_whose_columns_are_unclear_are_refused(tmp_path, text, told) -> None:
-    (tmp_path / "part.csv").write_text(text)
-    refused(read_outline, tmp_path / "part.csv", told=told, kind=DataFileError)
-
-
 def test_a_drawing_of_very_many_curves_is_refused_before_it_is_cut_up(tmp_path) -> None:
-    pytest.importorskip("svgpathtools")
     curves = "".join(f"C{k} 0 {k} 1 {k + 1} {k % 2}" for k in range(31_000))
-    (tmp_path / "many.svg").write_text(
-        f'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0{curves}Z"/></svg>'
-    )
-    refused(
-        read_outline,
-        tmp_path / "many.svg",
-        told="curves: 3.1e.04, of at most 3e.04; simplify the drawing",
-    )
+    file = tmp_path / "many.svg"
+    file.write_text(svg(f'<path d="M0 0{curves}Z"/>'))
+    told = "curves: 3.1e.04, of at most 3e.04; simplify the drawing"
+    refused(read_outline, file, told=told)
 
 
 SQUARE = "M0 0H40V40H0Z"
 
 
 @pytest.mark.parametrize(
-    ("attributes", "path", "told"),
+    ("size", "path", "told"),
     [
-        ('width="80mm" height="80mm"', SQUARE, "40 x 40 mm, in the file's own unit;"),
-        ('width="302.362" height="302.362"', SQUARE, "40 x 40 mm, in pixels of 1/96 inch: give"),
+        ("80mm", SQUARE, "40 x 40 mm, in the file's own unit;"),
+        ("302.362", SQUARE, "40 x 40 mm, in pixels of 1/96 inch: give"),
         ("", SQUARE, "10.58 x 10.58 mm, in pixels of 1/96 inch: give --unit"),
-        (
-            'width="80mm" height="80mm"',
-            f"{SQUARE}M10 10H20V20H10Z",
-            "the largest of 2 closed lines",
-        ),
+        ("80mm", f"{SQUARE}M10 10H20V20H10Z", "the largest of 2 closed lines"),
     ],
     ids=["millimetres", "pixels", "no width", "hole"],
 )
 def test_what_a_drawing_does_not_tell_and_what_is_left_out_is_said(
-    tmp_path, attributes, path, told
+    tmp_path, size, path, told
 ) -> None:
     file = tmp_path / "square.svg"
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" {attributes} viewBox="0 0 80 80">'
-    file.write_text(f'{head}<path d="{path}"/></svg>')
+    width = f'width="{size}" height="{size}"' if size else ""
+    file.write_text(svg(f'<path d="{path}"/>', f'{width} viewBox="0 0 80 80"'))
     assert told in read_outline(file).words[0]
     assert read_outline(file, "cm").outline.area == pytest.approx(0.16)
 

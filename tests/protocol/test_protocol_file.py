@@ -48,6 +48,8 @@ def test_every_double_comes_back_from_the_text_of_its_decimal(value, unit) -> No
 
 
 COIN = ResetStrategy.pushes(SidePush(), (1, 2))
+WAY = ((0.1, 0.0), (1.0 / 3.0, -0.2))
+ODD = CycleAction(WAY, SidePush(2, 1.0 / 3.0, 0.1, 0.07), math.pi / 7.0)
 STRATEGIES = {
     "a coin": COIN,
     "weights": ResetStrategy(COIN.actions, (1.0, 2.5)),
@@ -55,16 +57,7 @@ STRATEGIES = {
     "shuffled": ResetStrategy(COIN.actions, (1.0, 3.0), "shuffled", 8),
     "legs": ResetStrategy(legs(0.0731, 8)),
     "gripper": ResetStrategy(gripper_turns(36)),
-    "all at once": ResetStrategy(
-        (
-            CycleAction(
-                ((0.1, 0.0), (1.0 / 3.0, -0.2)), SidePush(2, 1.0 / 3.0, 0.1, 0.07), math.pi / 7.0
-            ),
-            CycleAction(()),
-            CycleAction(),
-        ),
-        hitch=(0.01, -1.0 / 300.0),
-    ),
+    "all at once": ResetStrategy((ODD, CycleAction(()), CycleAction()), hitch=(0.01, -1.0 / 300.0)),
 }
 
 
@@ -94,6 +87,8 @@ def test_a_change_of_any_character_is_noticed_unless_the_checksum_is_taken_out(t
 
 
 TRIANGLE = Polygon(((0.05, 0.04), (-0.06, 0.04), (0.0, -0.0501)))
+HEX = replace(Slider.mit("hex"), hitch=(0.01, -0.02), mass=2.0, centre_of_mass=(0.004, 0.001))
+RIM = PatchFootprint(TRIANGLE, rim_share=0.3, corner_share=0.1)
 LOOPS = {
     "MIT's": LOOP,
     "another material": CollectionLoop.mit("delrin"),
@@ -103,15 +98,9 @@ LOOPS = {
         pusher=Pusher(0.006, 0.31),
         reset=DragBack(((0.03, 0.1),), 0.001),
     ),
-    "another ring, mass and centre": CollectionLoop.mit(
-        slider=replace(
-            Slider.mit("hex"), hitch=(0.01, -0.02), mass=2.0, centre_of_mass=(0.004, 0.001)
-        )
-    ),
+    "another ring, mass and centre": CollectionLoop.mit(slider=HEX),
     "an ellipse": CollectionLoop.mit(slider=Slider(Ellipse(0.05, 0.07))),
-    "a triangle on its rim": CollectionLoop.mit(
-        slider=Slider(TRIANGLE), footprint=PatchFootprint(TRIANGLE, rim_share=0.3, corner_share=0.1)
-    ),
+    "a triangle on its rim": CollectionLoop.mit(slider=Slider(TRIANGLE), footprint=RIM),
     "a grid": CollectionLoop.mit(footprint=grid_footprint(LOOP.slider.outline, 8)),
 }
 
@@ -142,24 +131,17 @@ def test_what_a_material_brings_along_is_left_to_the_material() -> None:
 
 def test_noise_and_prediction_stand_in_the_file_and_do_not_disturb_it(tmp_path) -> None:
     path = tmp_path / "protocol.toml"
-    scores = {
-        "tv_from_uniform": 0.04,
-        "reach_cycles": 12,
-        "certified": True,
-        "peaks_deg": [10.0, 200.0],
-        "none": None,
-    }
-    write_protocol(path, LOOP, COIN, noise=0.02, predicted=scores)
+    scores = {"tv": 0.04, "reach_cycles": 12, "certified": True, "peaks_deg": [10.0, 200.0]}
+    write_protocol(path, LOOP, COIN, noise=0.02, predicted=scores | {"none": None})
     settings, strategy = read_protocol(path)
     assert settings["noise_deg"] == pytest.approx(math.degrees(0.02), abs=1e-14)
     assert strategy == COIN
-    del scores["none"]
     assert tomllib.loads(path.read_text())["predicted"] == scores
     assert path.read_text().splitlines()[1].startswith("# Protocol of a data collection")
 
 
 ONE, TWO = "{ gripper_turn_deg = 1 }", "{ gripper_turn_deg = 2 }"
-WEIGHED = "{ gripper_turn_deg = 1, weight = 1 }"
+WEIGHED, HEAVIER = "{ gripper_turn_deg = 1, weight = 1 }", "{ way_points_mm = [], weight = 2 }"
 BAD_STRATEGIES = [
     ("kind = 'drawn-pushes'", "kind = 'drawn-pushes' is how earlier versions said it: give order"),
     ("", "actions is missing"),
@@ -180,10 +162,7 @@ BAD_STRATEGIES = [
     ("actions = [{ way_points_mm = [[1, 2, 3]] }]", "way_points_mm must hold [x, y]"),
     ("actions = [{ gripper_turn_deg = true }]", "must be a number"),
     (f"actions = [{WEIGHED}, {TWO}]", "1 of 2 actions have a weight"),
-    (
-        f"order = 'in turn'\nactions = [{WEIGHED}, {{ way_points_mm = [], weight = 2 }}]",
-        "actions in turn are all alike",
-    ),
+    (f"order = 'in turn'\nactions = [{WEIGHED}, {HEAVIER}]", "actions in turn are all alike"),
     (f"hitch_mm = 3\nactions = [{ONE}]", "hitch_mm must hold [x, y]"),
 ]
 BAD_FILES = [
@@ -212,12 +191,8 @@ def test_a_bad_protocol_is_told_by_file_key_and_value_and_what_is_left_out_takes
     assert found == ({"side": 2}, ResetStrategy((CycleAction(push=SidePush(2, 0.6, 0.0, 0.08)),)))
     for text, said in BAD_FILES:
         path = protocol_file(f"{text}\n")
-        refused(
-            read_protocol,
-            path,
-            told=f"^{re.escape(str(path))}.*{re.escape(said)}",
-            kind=DataFileError,
-        )
+        told = f"^{re.escape(str(path))}.*{re.escape(said)}"
+        refused(read_protocol, path, told=told, kind=DataFileError)
 
 
 def test_what_could_not_be_read_back_leaves_the_file_as_it_was(protocol_file) -> None:

@@ -8,7 +8,7 @@ from fake_numbers import FakeNumbers, fake_plan
 from refusals import refused
 
 from cyclemap.mechanics import load_material
-from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import SETTINGS
 from cyclemap.sweeps import Grid, PortraitNumbers, Sample, SweepAxis, SweepPlan, SweepRange
 from cyclemap.sweeps.point_sets import SWEPT, parse_over
 from cyclemap.sweeps.portrait_numbers import code_version

@@ -89,12 +89,18 @@ def run_fit(asked: FitOptions) -> None:
                     progress=share,
                 )
             )
-    for fit in (fit for fit in fits if not fit.is_empty):
-        name = f"fit_{file_stem(fit.pushes.name)}"
-        pictures.append(write_result(set_report(fit), fit_page(fit), results, name))
-    if publish_json(fit_report(pushes, fits), results.json):
-        return
-    _tell(pushes, fits, pictures)
+    for fit in fits:
+        if not fit.is_empty:
+            name = f"fit_{file_stem(fit.pushes.name)}"
+            pictures.append(write_result(set_report(fit), fit_page(fit), results, name))
+    as_json: Json = {
+        "pushes": len(pushes.table),
+        "scans": len(pushes.scans),
+        "unreadable": written(pushes.unreadable),
+        "sets": [set_report(fit) for fit in fits],
+    }
+    if not publish_json(as_json, results.json):
+        _tell(pushes, fits, pictures)
 
 
 def _tell(pushes: PushTable, fits: Sequence[SetFit], pictures: Sequence[Path]) -> None:
@@ -123,16 +129,6 @@ def _largest_in_words(fits: Sequence[SetFit]) -> list[str]:
     largest = max(fits, key=lambda fit: fit.pushes.count)
     law = largest.law_problem if largest.pushes.has_motion else None
     return [*set_sentences(largest), *([f"No law: {law}."] if law else [])]
-
-
-def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
-    """The report of a whole collection: what was read, what could not be, and every set."""
-    return {
-        "pushes": len(pushes.table),
-        "scans": len(pushes.scans),
-        "unreadable": written(pushes.unreadable),
-        "sets": [set_report(fit) for fit in fits],
-    }
 
 
 def set_report(fit: SetFit) -> Json:
@@ -285,8 +281,8 @@ def _statistic_cells(fit: SetFit) -> list[str]:
         if statistics is None:
             cells += [NOTHING] * 3
         else:
-            numbers = (unit.of_si(statistics.mean), unit.of_si(statistics.std))
-            cells += [*map(_decimals, numbers), _percent(statistics.percent)]
+            sizes = [f"{unit.of_si(size):.2f}" for size in (statistics.mean, statistics.std)]
+            cells += [*sizes, _percent(statistics.percent)]
     return cells
 
 
@@ -299,18 +295,12 @@ def _law_cells(fit: SetFit) -> list[str]:
         if law is None:
             cells += [NOTHING] * 4
         else:
-            cells += [
-                _decimals(unit.of_si(law.rmse)),
-                _percent(law.percent),
-                _decimals(unit.of_si(motion.cross_validated_rmse)),
-                str(law.harmonics),
-            ]
+            rmse, left_out = (
+                f"{unit.of_si(size):.2f}" for size in (law.rmse, motion.cross_validated_rmse)
+            )
+            cells += [rmse, _percent(law.percent), left_out, str(law.harmonics)]
     return cells
 
 
-def _decimals(value: float) -> str:
-    return f"{value:.2f}"
-
-
 def _percent(value: float) -> str:
-    return _decimals(value) if value < MOST_PERCENT else f">{MOST_PERCENT:.0f}"
+    return f"{value:.2f}" if value < MOST_PERCENT else f">{MOST_PERCENT:.0f}"

@@ -37,7 +37,7 @@ from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import key_and_value, plain_number
 from cyclemap.protocol.chosen_loop import ChosenCollection, chosen_loop
 from cyclemap.protocol.collection_file import collection_tables, collection_text
-from cyclemap.protocol.setting_table import NOISE_KEY
+from cyclemap.protocol.settings import NOISE_KEY
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.written import Json, Unit, json_of, written
 

@@ -45,7 +45,7 @@ from cyclemap.protocol.chosen_loop import chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
 from cyclemap.views.push_pages import known_sizes, measured_sentences, plan_page, plan_sentences
-from cyclemap.written import Json, degrees, json_of
+from cyclemap.written import Json, degrees, json_of, rows
 
 FREE = "free"
 
@@ -78,7 +78,17 @@ def run_plan(asked: PlanOptions) -> None:
                 PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
             return
         loop = measured.loop
-    plan = _planned(asked, loop, step, room)
+    with progress_bar("choosing pushes") as report:
+        plan = plan_pushes(
+            loop,
+            asked.pushes,
+            target=asked.target,
+            grid=step,
+            room=room,
+            seed=asked.seed,
+            progress=report,
+            read=(1e-3 * asked.error_mm, math.radians(asked.error_deg)),
+        )
     headline, *others = plan_sentences(plan)
     content = table_to_fill(plan, asked.by or ("pose" if step is None else "corners"), asked.excel)
     table = _unused(out / name, ".xlsx" if asked.excel else ".csv", content)
@@ -97,22 +107,6 @@ def run_plan(asked: PlanOptions) -> None:
         after=(f"for a robot: {robot}", f"to fill in: {table}", f"next: {following}"),
         beside={table: content, robot: robot_schedule(plan)},
     )
-
-
-def _planned(
-    asked: PlanOptions, loop: CollectionLoop, step: float | None, room: tuple[float, float]
-) -> PushPlan:
-    with progress_bar("choosing pushes") as report:
-        return plan_pushes(
-            loop,
-            asked.pushes,
-            target=asked.target,
-            grid=step,
-            room=room,
-            seed=asked.seed,
-            progress=report,
-            read=(1e-3 * asked.error_mm, math.radians(asked.error_deg)),
-        )
 
 
 def _room(text: str) -> tuple[float, float]:
@@ -178,14 +172,11 @@ def plan_report(plan: PushPlan) -> Json:
         "for": plan.target,
         "chance_of_lock_in": plan.chance,
         "pushes": [*map(_push, plan.pushes, plan.ends)],
-        "knowledge": [
-            {
-                "pushes": after.pushes,
-                "planned": _known(after.planned),
-                "random": _known(after.random),
-            }
-            for after in plan.knowledge
-        ],
+        "knowledge": rows(
+            pushes=[after.pushes for after in plan.knowledge],
+            planned=[_known(after.planned) for after in plan.knowledge],
+            random=[_known(after.random) for after in plan.knowledge],
+        ),
         "one_push_lost": _known(plan.without),
         **json_of(plan, "samples", "candidates"),
     }
@@ -232,17 +223,10 @@ def push_table(plan: PushPlan) -> Table:
     for row, planned in enumerate(plan.pushes, 1):
         push = planned.push
         start = planned.start
-        cells = [
-            f"{push.fraction:.2f}",
-            f"{math.degrees(push.angle):.0f}",
-            f"{1e3 * push.distance:.0f}",
-        ]
-        cells += [
-            f"{1e3 * start.x:.0f}",
-            f"{1e3 * start.y:.0f}",
-            f"{math.degrees(start.theta):.0f}",
-        ]
-        rows.append((str(row), str(push.side), *cells))
+        lengths = (1e3 * push.distance, 1e3 * start.x, 1e3 * start.y)
+        numbers = (math.degrees(push.angle), *lengths, math.degrees(start.theta))
+        cells = [f"{number:.0f}" for number in numbers]
+        rows.append((str(row), str(push.side), f"{push.fraction:.2f}", *cells))
     return people_table("Pushes, what tells most first", columns, rows)
 
 

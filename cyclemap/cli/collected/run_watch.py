@@ -5,7 +5,6 @@ grows; `cyclemap audit`: what a data set that exists is worth.
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -51,17 +50,8 @@ _TOLERANCE = 1e-3
 _PUSHES_AHEAD = 300
 
 
-@dataclass(frozen=True)
-class Ahead:
-    """The next action of a strategy, or what the next pushes of a loop will bring: as JSON, and in
-    words.
-    """
-
-    report: Json
-    words: str
-
-
-NOTHING_AHEAD = Ahead({}, "")
+# The next action of a strategy, or what the next pushes of a loop will bring: as JSON, and in words.
+Ahead = tuple[Json, str]
 LookAhead = Callable[[BiasMonitor], Ahead]
 
 
@@ -101,7 +91,7 @@ def run_watch(asked: WatchOptions) -> None:
                 before = monitor.report
                 reports.append(monitor.update(theta))
                 # From orientations that were left long ago nothing is ahead.
-                ahead = NOTHING_AHEAD if left else look_ahead(monitor)
+                ahead = ({}, "") if left else look_ahead(monitor)
                 _tell(before, reports[-1], theta, ahead, as_json)
             time.sleep(asked.every)
     finally:
@@ -113,7 +103,7 @@ def run_watch(asked: WatchOptions) -> None:
 def _ahead_of(asked: WatchOptions) -> LookAhead:
     """What tells what is ahead; InvalidInput where surface and protocol leave nothing to tell."""
     if asked.protocol is None and asked.material is None:
-        return lambda monitor: NOTHING_AHEAD
+        return lambda monitor: ({}, "")
     chosen = chosen_collection(asked.material, asked.protocol, data=asked.file).simplified()
     loop = chosen.loop
     strategy = chosen.strategy
@@ -137,7 +127,7 @@ def _ahead_of(asked: WatchOptions) -> LookAhead:
                 **json_of(chosen_action, "lands", "crowding"),
             }
         }
-        return Ahead(report, page.next_action_sentence(action, chosen_action))
+        return report, page.next_action_sentence(action, chosen_action)
 
     return choose
 
@@ -168,7 +158,7 @@ def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
         ahead = forecast_from_turns(
             logged.turns, logged.sigma, _PUSHES_AHEAD, start, change=logged.change
         )
-        return Ahead({"forecast": json_of(ahead)}, ahead_sentence(ahead, start))
+        return {"forecast": json_of(ahead)}, ahead_sentence(ahead, start)
 
     return forecast
 
@@ -176,12 +166,13 @@ def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
 def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle;
     and what is ahead."""
+    report, words = ahead
     if as_json:
         line_of_json = {
             "push": after.push,
             "theta0_deg": direction_deg(theta),
             **_report(after),
-            **ahead.report,
+            **report,
         }
         click.echo(json.dumps(line_of_json, allow_nan=False, ensure_ascii=False))
         return
@@ -192,7 +183,7 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_
         news.append(page.rest_sentence(after) or "θ0 moves on.")
     if int(_TOLD_SHARES * after.coverage.covered) > int(_TOLD_SHARES * before.coverage.covered):
         news.append(f"{page.covered(after.coverage)}.")
-    for line in filter(None, (*news, ahead.words)):
+    for line in filter(None, (*news, words)):
         click.echo(f"push {after.push}: {line}")
 
 
@@ -206,14 +197,14 @@ def _conclude(
 ) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
     last = reports[-1]
-    ahead = look_ahead(monitor)
+    report, words = look_ahead(monitor)
     rest = rest_multiplier(monitor.path)
     as_json = {
         "file": file.name,
         "pushes": len(reports),
         "alarm_rate": monitor.alarm_rate,
         **_report(last),
-        **ahead.report,
+        **report,
         "multiplier": written(rest),
     }
     figure = page.watch_page(monitor, reports, file.name)
@@ -223,7 +214,7 @@ def _conclude(
     PeopleConsole().tell(
         *page.watch_sentences(last),
         multiplier_sentence(rest),
-        ahead.words,
+        words,
         f"picture: {picture}",
     )
 
