@@ -81,7 +81,6 @@ def test_a_function_named_like_its_module_is_the_function_in_either_order(order)
     """Python binds an imported submodule on its package; the public name stays the function."""
     lines = []
     for room, name in (
-        ("collection", "batch_experiment"),
         ("collection", "fingerprint"),
         ("collection", "portrait"),
         ("sweeps", "run_sweep"),
