@@ -35,6 +35,7 @@ CASES = [
     ("abs-floor", {}, {}),
     ("isotropic", {}, BENT),
     ("pu", {"noise_deg": 4.0}, {}),
+    ("plywood", {"noise_deg": 100.0}, {}),
     ("plywood", {"shape": "ellip1"}, {"fraction": 0.3, "rim_share": 0.2}),
     ("plywood", L_SHAPE, {"angle_deg": 10.0, "pusher_mu": 0.3}),
     ("plywood", {"footprint": "grid:8"}, {}),
@@ -259,7 +260,8 @@ def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(
 @pytest.mark.slow
 def test_links_and_numbers_are_told_as_they_are_computed(explored, open_page) -> None:
     """A link moves what sliders can move, as far as they reach; what lies between two steps is
-    shown whole; another link of the same page is followed, whatever its stories look for meanwhile.
+    shown whole; a field that is emptied shows again what holds; another link of the same page is
+    followed, whatever its stories look for meanwhile.
     """
     address = f"{explored.as_uri()}#rim_share=-0.5&push_mm=120.5&mu_a=&side=0.6"
     page = open_page(address, offline=True)
@@ -271,6 +273,10 @@ def test_links_and_numbers_are_told_as_they_are_computed(explored, open_page) ->
         "['push_mm', 'mu_a'].map((key) => document.getElementById(key + '-number').value)"
     )
     assert shown == ["120.5", "0.2545"]
+    friction = page.locator("#mu_a-number")
+    friction.fill("")
+    friction.blur()
+    assert friction.input_value() == "0.2545"
     page.evaluate("location.hash = 'hitch_x_mm=-9.4&mu_a=0.3'")
     page.wait_for_selector("body[data-drawn='2-fine']")
     followed = page.evaluate("cyclemap.values")

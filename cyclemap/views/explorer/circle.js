@@ -126,7 +126,7 @@ function stationaryDensity(map, sigma, most = 8) {
   const steepest = Math.max(1, ...slopes.slice(0, Math.ceil(0.98 * slopes.length)));
   const finer = Math.min(most, Math.max(1, Math.ceil((0.75 * steepest * TURN) / CELLS / sigma)));
   const count = CELLS * finer, h = TURN / count;
-  const half = Math.min(Math.ceil((6.5 * sigma) / h), count / 2 - 1), width = 2 * half + 1;
+  const half = Math.ceil((6.5 * sigma) / h), width = 2 * half + 1;
   const first = new Int32Array(count), weight = new Float64Array(count * width);
   for (let j = 0; j < count; j += 1) {
     const image = map.at(h * j) / h, centre = Math.round(image);

@@ -191,12 +191,15 @@ function remember() {
 
 function move(key, value) {
   const control = controls.get(key);
-  if (!control || !Number.isFinite(value)) return;
-  const kept = within(control, value);
-  if (Math.abs(kept - control.value) < 1e-9) delete state.moved[key];
-  else state.moved[key] = kept;
+  if (!control) return;
+  if (Number.isFinite(value)) {
+    const kept = within(control, value);
+    if (Math.abs(kept - control.value) < 1e-9) delete state.moved[key];
+    else state.moved[key] = kept;
+    update();
+  }
+  // A field without a number shows again what holds.
   place(key);
-  update();
 }
 
 // What its slider can be moved to, of a value that is typed or linked to.
