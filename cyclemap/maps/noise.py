@@ -99,9 +99,8 @@ _ORDERS = np.arange(1.0, 9.0)  # the Fourier modes that a wide law has
 _CONCENTRATED = 1e8  # beyond it the coefficients come from their expansion in 1/κ
 _SPAN = 45.0  # integrals stop where the density has fallen by exp(-45)
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]
-_erfc = np.vectorize(
-    math.erfc, otypes=[np.float64]
-)  # SciPy's is slow to import, and needed for few values
+# SciPy's is slow to import, and needed for few values
+_erfc = np.vectorize(math.erfc, otypes=[np.float64])
 
 
 @dataclass(frozen=True)
@@ -327,9 +326,8 @@ class WrappedCauchy:
         """
         a = 0.5 * reals(low)
         b = 0.5 * reals(high)
-        stretch = (1.0 + self.r) / (
-            1.0 - self.r
-        )  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
+        # 2 arctan(tan(ξ/2)·stretch) is uniform
+        stretch = (1.0 + self.r) / (1.0 - self.r)
         along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
         return np.arctan2(stretch * np.sin(b - a), along) / np.pi
 

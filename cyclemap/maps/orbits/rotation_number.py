@@ -167,6 +167,7 @@ def rotation_number(
 
 
 def _computed_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
+    """The number in double precision, of a folded lift that of the interval."""
     descent = largest_descent(circle_map)
     if descent <= SLACK:
         return _monotone_rotation(circle_map, budget, descent)
