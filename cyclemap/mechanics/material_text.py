@@ -2,7 +2,8 @@
 
 import math
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -336,7 +337,7 @@ def material_toml(material: Material) -> str:
     phi_deg = 0.0
     <BLANKLINE>
     """
-    tables: dict[str, dict[str, object]] = {"friction": {**friction_numbers(material.friction)}}
+    tables: dict[str, Mapping[str, object]] = {"friction": friction_numbers(material.friction)}
     if material.wear is not None:
         worn: dict[str, object] = {
             "cycles": material.wear.cycles,
@@ -348,29 +349,29 @@ def material_toml(material: Material) -> str:
             worn |= shape_numbers(material.wear.floor, FLOOR_SHAPE_KEYS)
         tables["worn"] = worn
     if not material.floor.is_flat:
-        tables["floor_shape"] = {**shape_numbers(material.floor, FLOOR_SHAPE_KEYS)}
+        tables["floor_shape"] = shape_numbers(material.floor, FLOOR_SHAPE_KEYS)
     for session in material.sessions:
         key = toml_key(session.name)
-        tables[f"sessions.{key}"] = {**shape_numbers(session.shape, FLOOR_SHAPE_KEYS)}
+        tables[f"sessions.{key}"] = shape_numbers(session.shape, FLOOR_SHAPE_KEYS)
     if material.field is not None:
         rows = zip(SPREAD_KEYS, material.field.coefficients, strict=True)
         tables["floor_field"] = {**dict(rows), "reach_mm": 1e3 * material.field.reach}
     if any(material.session_spread):
-        tables["session_spread"] = {**dict(zip(SPREAD_KEYS, material.session_spread, strict=True))}
+        tables["session_spread"] = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
+    found = {}
     for key, (field, unit) in FOUND_KEYS.items():
         value = getattr(material.found_with, field)
         if value is not None:
-            tables.setdefault("found_with", {})[key] = round(1.0 / unit) * value
+            found[key] = round(1.0 / unit) * value
+    if found:
+        tables["found_with"] = found
     for pressure in material.plates:
-        tables[f"plates.{toml_key(pressure.plate)}"] = {**pressure.numbers}
+        tables[f"plates.{toml_key(pressure.plate)}"] = pressure.numbers
     for shift in material.frames:
         places = 1e3 * shift.x, 1e3 * shift.y
-        tables[f"frames.{toml_key(shift.plate)}"] = {**dict(zip(SHIFT_KEYS, places, strict=True))}
+        tables[f"frames.{toml_key(shift.plate)}"] = dict(zip(SHIFT_KEYS, places, strict=True))
     if material.noise is not None:
-        tables["cycle_noise"] = {
-            "log_sigma": material.noise.log_sigma,
-            "correlation": material.noise.correlation,
-        }
+        tables["cycle_noise"] = asdict(material.noise)
     if material.posterior is not None:
         tables["posterior"] = {"parameters": material.posterior.parameters}
     words = {key: getattr(material, key) for key in ("name", "provenance", "misfit", "inferred")}
