@@ -90,9 +90,18 @@ class InverseLift(MadeLift):
             return np.where(high > low, 1.0 / slope, 0.0), np.where(high > low, bound, 0.0)
 
 
-# One map of a composite: its argument, kept between a low and a high end, its image, and the whole
-# turns that were taken off up to there: (map, argument, low, high, image, turns).
-_Stage = tuple[CircleMap, Array, Array, Array, Array, Array]
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """One map of a composite: its argument ``angle``, kept in [low, high], its image, and the whole
+    turns that were taken off up to there.
+    """
+
+    map: CircleMap
+    angle: Array
+    low: Array
+    high: Array
+    image: Array
+    turns: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,15 +124,15 @@ class CompositeLift(MadeLift):
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta``, radians."""
-        for *_, image, turns in self._stages(theta):
-            lifted = image + TWO_PI * turns
-        return lifted
+        for stage in self._stages(theta):
+            image = stage.image + TWO_PI * stage.turns
+        return image
 
     def derivative(self, theta: Array) -> Array:
         """Its slope by the chain rule."""
         product = np.ones_like(theta)
-        for circle_map, angle, *_ in self._stages(theta):
-            product = product * circle_map.derivative(angle)
+        for stage in self._stages(theta):
+            product = product * stage.map.derivative(stage.angle)
         return product
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
@@ -133,14 +142,16 @@ class CompositeLift(MadeLift):
         product = np.ones_like(theta)
         error = np.zeros_like(theta)
         moved = 0.5 * np.spacing(np.abs(theta))
-        for circle_map, angle, low, high, image, _ in self._stages(theta):
-            slope, off = slope_and_error_beside(circle_map, angle, moved, low, high)
+        for stage in self._stages(theta):
+            slope, off = slope_and_error_beside(
+                stage.map, stage.angle, moved, stage.low, stage.high
+            )
             error = (
                 np.abs(product) * off
                 + error * (np.abs(slope) + off)
                 + EPS * np.abs(product * slope)
             )
-            moved = moved * (np.abs(slope) + off) + LIFT * (TWO_PI + np.abs(image))
+            moved = moved * (np.abs(slope) + off) + LIFT * (TWO_PI + np.abs(stage.image))
             product = product * slope
         return product, error
 
@@ -158,7 +169,7 @@ class CompositeLift(MadeLift):
                 angle = np.clip(angle - TWO_PI * whole, stage_low, stage_high)
             image = circle_map(angle)
             turns = (turns + whole) * float(circle_map.degree)
-            yield circle_map, angle, stage_low, stage_high, image, turns
+            yield _Stage(circle_map, angle, stage_low, stage_high, image, turns)
             angle = image
 
     def scalar(self) -> Scalar:

@@ -196,12 +196,21 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
     """The proved points, whose periods follow from their images, their kinds from their
     multipliers.
     """
-    theta, bound, winding, multiplier, error, image = proved_points(circle_map, n, slope_error)
-    visits = _visits(image, n + 1)
+    points = proved_points(circle_map, n, slope_error)
+    visits = _visits(points.image, n + 1)
     prime = 1 + np.argmax(visits[1:] == visits[0], axis=0)
-    kind = _kinds(np.abs(multiplier), error)
-    slopes = multiplier, multiplier, error
-    return PeriodicPoints(theta, winding, *slopes, prime, kind, bound, image, n)
+    return PeriodicPoints(
+        points.theta,
+        points.winding,
+        points.multiplier,
+        points.multiplier,
+        points.multiplier_error,
+        prime,
+        _kinds(np.abs(points.multiplier), points.multiplier_error),
+        points.error_bound,
+        points.image,
+        n,
+    )
 
 
 def _kinds(growth: Array, unsure: Array) -> npt.NDArray[np.str_]:

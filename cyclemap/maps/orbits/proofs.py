@@ -244,10 +244,22 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
     return Jet(reduce(arb.union, values), reduce(arb.union, slopes) * jet.slope)
 
 
-# Points with Fⁿ(θ) = θ + 2πw that are there, each alone within its error bound: angles in [0, 2π),
-# sorted, and their bounds, radians; w; multipliers (Fⁿ)' and bounds on their errors; the index of
-# the point that F maps each to.
-ProvedPoints = tuple[Array, Array, Whole, Array, Array, Whole]
+@dataclass(frozen=True, eq=False)
+class ProvedPoints:
+    """Points with Fⁿ(θ) = θ + 2πw that are there, sorted, each alone within its error bound.
+
+    theta : radians in [0, 2π); error_bound : theirs.
+    winding : w.
+    multiplier : (Fⁿ)' there; multiplier_error : bounds on the errors of that.
+    image : index of the point that F maps each to.
+    """
+
+    theta: Array
+    error_bound: Array
+    winding: Whole
+    multiplier: Array
+    multiplier_error: Array
+    image: Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,7 +371,9 @@ class _Proof:
         theta, bound, multiplier, error = np.reshape(rows, (-1, 4)).astype(float).T
         winding = np.array([turns for _, turns, _, _ in crossings], dtype=np.int64)
         image = [self._image(ball, theta, bound) for _, _, _, ball in crossings]
-        return theta, bound, winding, multiplier, error, np.array(image, dtype=np.int64)
+        return ProvedPoints(
+            theta, bound, winding, multiplier, error, np.array(image, dtype=np.int64)
+        )
 
     def rises(self) -> bool:
         """Whether F' > 0 all round, on arcs halved as long as that may be told."""
