@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array, Mask
+from cyclemap.arrays import Array, Mask, along_way
 from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
 from cyclemap.mechanics.slider import Pusher
 
@@ -202,7 +202,7 @@ def scan_forces(scan: ScanRecord) -> tuple[float, float]:
     if length < _SHORTEST_STROKE or not time.size:
         return math.nan, math.nan
     along = np.array(scan.stroke) / length
-    way = (interpolated(time, scan.tip[:, 0], scan.tip[:, 1:3]) - scan.tip[0, 1:3]) @ along / length
+    way = (along_way(time, scan.tip[:, 0], scan.tip[:, 1:3]) - scan.tip[0, 1:3]) @ along / length
     middle = force[(way >= _SCAN_MIDDLE[0]) & (way <= _SCAN_MIDDLE[1])]
     if len(middle) < FEWEST_SAMPLES:
         return math.nan, math.nan
@@ -217,11 +217,6 @@ def _within(wrench: Array, clocks: tuple[Array, ...]) -> tuple[Array, Array]:
         time <= min(clock[-1, 0] for clock in clocks)
     )
     return time[kept], wrench[kept, 1:3]
-
-
-def interpolated(at: Array, known: Array, rows: Array) -> Array:
-    """Rows (n, k), known at (n,), at other places (...): shape (..., k)."""
-    return np.stack([np.interp(at, known, column) for column in rows.T], axis=-1)
 
 
 def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[np.intp]]:

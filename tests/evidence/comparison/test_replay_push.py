@@ -9,10 +9,10 @@ import pytest
 from made_replays import FRICTION, START, clock, model_of, record_of, world
 from refusals import refused
 
+from cyclemap.arrays import along_way
 from cyclemap.errors import RodMissesObject
 from cyclemap.evidence.comparison.replay_push import BEND, push_along, replay_push, tip_path
 from cyclemap.evidence.comparison.replay_table import dataset_sliders
-from cyclemap.evidence.pushes.contact_forces import interpolated
 from cyclemap.mechanics import PatchFootprint, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 from cyclemap.mechanics.outline import Ellipse, Polygon
 
@@ -69,7 +69,7 @@ def simulated(model, place=(0.012, 0.075), direction=-math.pi / 2 + 0.3, distanc
     course, before = push.trajectory, distance - push.travel
     if push.ended == "left":
         before = float(np.hypot(*(course.pusher[0] - start)))
-    poses = interpolated(travel, before + course.path, course.pose)
+    poses = along_way(travel, before + course.path, course.pose)
     tip = start + np.outer(travel, (math.cos(heading), math.sin(heading)))
     return record_of(time, poses, tip), push
 
@@ -138,7 +138,7 @@ def test_a_path_that_bends_is_the_same_pushes_one_after_the_other(name, corners)
         push = WorldPush(tuple(place.tolist()), math.atan2(leg[1], leg[0]), float(np.hypot(*leg)))
         with suppress(RodMissesObject):
             pose = model.push(pose, push).end
-    tip = interpolated(share, np.linspace(0.0, 1.0, len(places)), places)
+    tip = along_way(share, np.linspace(0.0, 1.0, len(places)), places)
     still = np.tile([START.x, START.y, START.theta], (len(share), 1))
     replay = replay_push(record_of(share, still, tip), model)
     assert replay.strokes == len(corners) - 1 and replay.straightness > 1 * MILLIMETRE
@@ -171,7 +171,7 @@ def test_an_ellipse_cut_into_192_sides_moves_as_the_ellipse_does(friction, offse
     corners = np.array([[-0.06, offset], [-0.03, offset], [-0.01, offset + 0.004]])
     wanted, found = (push_along(model, Pose(), corners) for model in (exact, cut))
     travel = np.linspace(0.0, wanted[0][-1], 41)
-    off = interpolated(travel, *found[:2]) - interpolated(travel, *wanted[:2])
+    off = along_way(travel, *found[:2]) - along_way(travel, *wanted[:2])
     assert np.hypot(*off[:, :2].T).max() < 0.06e-3 and np.abs(off[:, 2]).max() < math.radians(0.2)
     assert np.ptp(wanted[1][:, 0]) > 0.002 and found[2:] == wanted[2:]
 

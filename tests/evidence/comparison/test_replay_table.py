@@ -10,9 +10,9 @@ from made_replays import START, clock, loop_on, model_of, record_of
 from refusals import refused
 
 import cyclemap as cm
+from cyclemap.arrays import along_way
 from cyclemap.errors import DoubtfulInput
 from cyclemap.evidence.comparison.replay_table import REPLAY_COLUMNS, replay_pushes
-from cyclemap.evidence.pushes.contact_forces import interpolated
 from cyclemap.mechanics import (
     FrameShift,
     PatchFootprint,
@@ -35,7 +35,7 @@ def write_push(path, model, off=0.0, depth=0.0, aside=0.0):
     start, heading = np.array(START.to_world(aside, 0.08)), START.theta - math.pi / 2
     push = model.push(START, WorldPush(tuple(start.tolist()), heading, 0.05), 0.5e-3)
     time, travel = clock(0.05, 80)
-    poses = interpolated(travel, 0.05 - push.travel + push.trajectory.path, push.trajectory.pose)
+    poses = along_way(travel, 0.05 - push.travel + push.trajectory.path, push.trajectory.pose)
     poses[:, 0] += off * np.clip((travel - 0.04) / 0.01, 0.0, 1.0)
     toward = np.array([math.cos(heading), math.sin(heading)])
     record = record_of(time, poses, start + np.outer(travel + depth, toward))
