@@ -173,7 +173,7 @@ ROWS = {
 }
 PARTS_SHARED = {
     "maps": "estimate quadrature noise",
-    "evidence": "motion_check predicted_strokes rod_contacts",
+    "evidence": "motion_check predicted_strokes",
 }
 
 

@@ -25,13 +25,15 @@ from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_motions, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push
 from cyclemap.evidence.pushes.push_table import PushTable
-from cyclemap.evidence.tables.columns import DEGREE, LENGTH_UNITS, RODS
-from cyclemap.evidence.tables.conventions import (
+from cyclemap.evidence.tables.columns import (
     ANGLES,
+    DEGREE,
     FRAMES,
+    LENGTH_UNITS,
     OFFSET,
     OURS,
     RIGHT_HANDED,
+    RODS,
     Convention,
 )
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, QuasiStaticModel, Slider, load_material

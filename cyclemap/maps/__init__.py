@@ -153,15 +153,14 @@ if TYPE_CHECKING:
         transfer_operator as transfer_operator,
     )
     from cyclemap.maps.orbits.basins import Basin as Basin, basins as basins
-    from cyclemap.maps.orbits.diagonal import JumpCrossing as JumpCrossing
+    from cyclemap.maps.orbits.diagonal import (
+        JumpCrossing as JumpCrossing,
+        SlowPassage as SlowPassage,
+        slow_passages as slow_passages,
+    )
     from cyclemap.maps.orbits.entropy import (
         kneading_sequences as kneading_sequences,
         topological_entropy as topological_entropy,
-    )
-    from cyclemap.maps.orbits.envelopes import (
-        is_nondecreasing as is_nondecreasing,
-        lower_envelope as lower_envelope,
-        upper_envelope as upper_envelope,
     )
     from cyclemap.maps.orbits.orbit_means import (
         birkhoff_average as birkhoff_average,
@@ -178,22 +177,21 @@ if TYPE_CHECKING:
     from cyclemap.maps.orbits.rotation_number import (
         RotationInterval as RotationInterval,
         RotationNumber as RotationNumber,
+        is_nondecreasing as is_nondecreasing,
+        lower_envelope as lower_envelope,
         rotation_interval as rotation_interval,
         rotation_number as rotation_number,
+        upper_envelope as upper_envelope,
     )
-    from cyclemap.maps.orbits.slow_passages import (
-        SlowPassage as SlowPassage,
-        slow_passages as slow_passages,
+    from cyclemap.maps.passages.killed_chain import (
+        QuasiStationary as QuasiStationary,
+        quasi_stationary as quasi_stationary,
     )
     from cyclemap.maps.passages.log_passage import log10_passage_time as log10_passage_time
     from cyclemap.maps.passages.passage_times import (
         hitting_probability as hitting_probability,
         mean_passage_time as mean_passage_time,
         survival_probabilities as survival_probabilities,
-    )
-    from cyclemap.maps.passages.quasi_stationary import (
-        QuasiStationary as QuasiStationary,
-        quasi_stationary as quasi_stationary,
     )
     from cyclemap.maps.staircases.drifting_map import (
         DriftingMap as DriftingMap,

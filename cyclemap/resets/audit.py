@@ -18,7 +18,7 @@ from cyclemap.evidence.laws.turn_bins import covered_arcs
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
-from cyclemap.evidence.tables.conventions import written_convention
+from cyclemap.evidence.tables.columns import written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.progress import Progress, part_of
 from cyclemap.resets.bias_monitor import BiasMonitor, BiasReport

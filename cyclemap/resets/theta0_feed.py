@@ -19,8 +19,7 @@ from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes, pushes_in_table
 from cyclemap.evidence.pushes.recordings import PushFacts, PushRecord, push_facts
-from cyclemap.evidence.tables.columns import ENDS
-from cyclemap.evidence.tables.conventions import Convention, convention_of
+from cyclemap.evidence.tables.columns import ENDS, Convention, convention_of
 from cyclemap.evidence.tables.data_kinds import (
     SUFFIXES,
     FileKind,

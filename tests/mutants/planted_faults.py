@@ -325,7 +325,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("whole = np.array(self.laps[1:]) + up", "whole = np.array(self.laps[1:])"),
         ],
     ),
-    "maps/orbits/slow_passages.py": (
+    "maps/orbits/diagonal.py": (
         ORBITS,
         [
             (
@@ -739,7 +739,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ('tip_err_mm = "mm"', 'tip_err_mm = ""'),
         ],
     ),
-    "evidence/tables/conventions.py": (
+    "evidence/tables/columns.py": (
         TABLES,
         [
             ('"compass": (-1.0, 0.5 * math.pi),', '"compass": (-1.0, 0.0),'),

@@ -14,8 +14,14 @@ from cyclemap.cli.options import TableOptions, is_quiet
 from cyclemap.cli.output import data_stem
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import UnreadableFile, load_pushes
-from cyclemap.evidence.tables.columns import known_columns, our_names, our_text
-from cyclemap.evidence.tables.conventions import Convention, as_read_name, convention_of
+from cyclemap.evidence.tables.columns import (
+    Convention,
+    as_read_name,
+    convention_of,
+    known_columns,
+    our_names,
+    our_text,
+)
 from cyclemap.evidence.tables.data_kinds import FileKind, file_kind, is_csv
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.evidence.tables.planned_table import filled_text

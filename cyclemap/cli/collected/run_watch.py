@@ -24,7 +24,7 @@ from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.columns import convention_of
 from cyclemap.maps import rest_multiplier
 from cyclemap.protocol.chosen_loop import chosen_collection, loop_beside, strategy_file
 from cyclemap.resets import (

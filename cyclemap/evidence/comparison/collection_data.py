@@ -20,13 +20,11 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.push_sets import ordered_pairs, selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
-from cyclemap.evidence.predicted_strokes import loop_of_plate
+from cyclemap.evidence.predicted_strokes import by_contact, contact_words, is_near, loop_of_plate
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.evidence.rod_contacts import by_contact, contact_words, is_near
-from cyclemap.evidence.tables.columns import Row, Selection
-from cyclemap.evidence.tables.conventions import OURS, Convention, written_convention
+from cyclemap.evidence.tables.columns import OURS, Convention, Row, Selection, written_convention
 from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.contact_curve import first_contact

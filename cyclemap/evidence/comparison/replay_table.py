@@ -26,8 +26,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
-from cyclemap.evidence.tables.columns import ENDS, RODS, Row, Selection
-from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row, Selection, convention_of
 from cyclemap.evidence.tables.data_kinds import is_csv
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon

@@ -49,9 +49,9 @@ from cyclemap.evidence.tables.columns import (
     READ_ERRORS,
     RODS,
     Selection,
+    convention_of,
     known_columns,
 )
-from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.evidence.tables.data_kinds import (
     CYCLES,
     DRAG_BACKS,

@@ -40,6 +40,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 )
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.predicted_strokes import (
+    by_contact,
     loop_of_plate,
     predicted_push_ends,
     push_from_contact,
@@ -61,9 +62,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
-from cyclemap.evidence.rod_contacts import by_contact
-from cyclemap.evidence.tables.columns import DRAG_ENDS, FRAMES_AGREE, READ_ERRORS
-from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.columns import DRAG_ENDS, FRAMES_AGREE, READ_ERRORS, convention_of
 from cyclemap.mechanics import Pose
 from cyclemap.progress import Progress, part_of
 

@@ -26,8 +26,7 @@ from cyclemap.evidence.pushes.recordings import (
     push_facts,
     scan_facts,
 )
-from cyclemap.evidence.tables.columns import ENDS, RODS, Row
-from cyclemap.evidence.tables.conventions import Convention
+from cyclemap.evidence.tables.columns import ENDS, RODS, Convention, Row
 from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES, is_record
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole

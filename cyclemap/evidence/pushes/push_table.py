@@ -23,12 +23,16 @@ from cyclemap.evidence.pushes.recordings import (
     as_ours,
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, doubt_degrees, pairs_in_table
-from cyclemap.evidence.tables.columns import ENDS, RODS, Row, known_columns, our_names
-from cyclemap.evidence.tables.conventions import (
+from cyclemap.evidence.tables.columns import (
     AS_READ,
+    ENDS,
     OURS,
+    RODS,
     Convention,
+    Row,
     convention_of,
+    known_columns,
+    our_names,
     written_convention,
 )
 from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES, is_csv, is_record

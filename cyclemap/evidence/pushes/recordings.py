@@ -17,8 +17,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.tables.columns import Row
-from cyclemap.evidence.tables.conventions import RIGHT_HANDED, Convention
+from cyclemap.evidence.tables.columns import RIGHT_HANDED, Convention, Row
 from cyclemap.mechanics.slider import Pose
 
 PUSH_TABLES = ("object_pose", "tip_pose", "ft_wrench")

@@ -14,7 +14,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.errors import DoubtfulInput, InvalidInput
-from cyclemap.evidence.tables.conventions import Convention, convention_of
+from cyclemap.evidence.tables.columns import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")

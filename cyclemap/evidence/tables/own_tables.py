@@ -17,8 +17,16 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput, located
-from cyclemap.evidence.tables.columns import ENDS, PLACES, RODS, our_text, without_repeats
-from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
+from cyclemap.evidence.tables.columns import (
+    ENDS,
+    OURS,
+    PLACES,
+    RODS,
+    Convention,
+    convention_of,
+    our_text,
+    without_repeats,
+)
 from cyclemap.evidence.tables.data_kinds import TEXTS
 from cyclemap.evidence.tables.meaning import known_units, meaning_of, si_rows, with_headings
 from cyclemap.evidence.tables.own_files import JSON_LINES, raw_columns

@@ -14,11 +14,17 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.arclength import SMALLEST, ArclengthWalk, walked_both_ways
 from cyclemap.maps.families.bifurcations import bifurcations
 from cyclemap.maps.families.continuation import Bifurcation, followed_period
 from cyclemap.maps.families.family import Family, Range, each_done, family_member, parameter_range
-from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, curve_direction
+from cyclemap.maps.families.orbit_curves import (
+    SMALLEST,
+    ArclengthWalk,
+    OrbitEquations,
+    OrbitState,
+    curve_direction,
+    walked_both_ways,
+)
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.progress import Progress
 

@@ -12,7 +12,6 @@ from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, require_room, unwritable, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.arclength import FIRST, ArclengthWalk, walked_both_ways
 from cyclemap.maps.families.family import (
     Family,
     Range,
@@ -20,11 +19,14 @@ from cyclemap.maps.families.family import (
     parameter_inside,
     parameter_range,
 )
-from cyclemap.maps.families.orbit_equations import (
+from cyclemap.maps.families.orbit_curves import (
+    FIRST,
+    ArclengthWalk,
     OrbitEquations,
     OrbitState,
     curve_direction,
     orbit_equations,
+    walked_both_ways,
 )
 from cyclemap.maps.orbits.orbit_means import orbit_angles
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits

@@ -33,8 +33,7 @@ from cyclemap.maps.families.family import (
     parametric_form,
     require_parameters,
 )
-from cyclemap.maps.orbits.envelopes import is_nondecreasing
-from cyclemap.maps.orbits.rotation_number import rotation_number
+from cyclemap.maps.orbits.rotation_number import is_nondecreasing, rotation_number
 from cyclemap.progress import Progress
 
 _WORKERS = os.cpu_count() or 1

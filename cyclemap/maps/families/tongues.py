@@ -30,7 +30,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells, root_between
 from cyclemap.maps.orbits.diagonal import displacement
-from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
+from cyclemap.maps.orbits.rotation_number import lower_envelope, upper_envelope
 from cyclemap.progress import Progress
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)

@@ -15,7 +15,7 @@ from cyclemap.evidence.identification.collected_blocks import collected_blocks
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.recordings import as_ours
-from cyclemap.evidence.tables.conventions import Convention, as_read_name, written_convention
+from cyclemap.evidence.tables.columns import Convention, as_read_name, written_convention
 from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush

@@ -17,7 +17,7 @@ from cyclemap.maps import (
     rotation_number,
     upper_envelope,
 )
-from cyclemap.maps.orbits.envelopes import largest_descent
+from cyclemap.maps.orbits.rotation_number import largest_descent
 from tests.maps.known_maps import KNOWN_TURNS, TWO_PI, agree
 from tests.refusals import refused
 

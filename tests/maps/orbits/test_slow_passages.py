@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import CircleMap, nth_iterate, periodic_points, slow_passages
-from cyclemap.maps.orbits.slow_passages import REACH
+from cyclemap.maps.orbits.diagonal import REACH
 from tests.maps.known_maps import TWO_PI, agree
 
 EDGE_HALF = 0.46301722338218515819112389  # left edge of the sine map's tongue 1/2 at K = 1, turns
