@@ -66,7 +66,7 @@ from cyclemap.views.panels.style import (
 )
 from cyclemap.views.sentences import LONGEST_STAY, angle
 
-from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
+from . import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 from .loop_family import with_ring_at
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.

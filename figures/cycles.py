@@ -54,7 +54,7 @@ from cyclemap.views.panels.style import (
 )
 from cyclemap.views.sentences import angle
 
-from .catalogue import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
 START = math.radians(270.0)

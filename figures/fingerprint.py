@@ -26,7 +26,7 @@ from cyclemap.views.fingerprint_page import draw_prediction
 from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.style import INK, LINE, LINES, MARKS, name_tag, picture_style
 
-from .catalogue import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 from .loop_family import ring_radius, with_anisotropy_times, with_ring_at
 
 INCHES = (13.333, 4.6)

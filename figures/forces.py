@@ -50,7 +50,7 @@ from cyclemap.views.panels.style import (
     show_window,
 )
 
-from .catalogue import NO_DATA, Exhibit, MeasuredFolder
+from . import NO_DATA, Exhibit, MeasuredFolder
 from .materials.repeated_pushes import measured_scans, push_file_names, readable_pushes
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly

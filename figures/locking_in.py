@@ -35,7 +35,7 @@ from cyclemap.views.panels.style import (
 )
 from cyclemap.views.sentences import angle
 
-from .catalogue import Exhibit, Frame, MeasuredFolder
+from . import Exhibit, Frame, MeasuredFolder
 
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.

@@ -58,7 +58,7 @@ from cyclemap.views.panels.style import (
 )
 from cyclemap.views.sentences import angle
 
-from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
+from . import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 from .materials.repeated_pushes import measured_theta0, published_statistics, recorded_set
 
 SURFACE = "plywood"

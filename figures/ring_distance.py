@@ -50,7 +50,7 @@ from cyclemap.views.panels.style import (
 )
 from cyclemap.views.sentences import angle
 
-from .catalogue import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 from .loop_family import (
     LoopFamily,
     RingFold,

@@ -15,7 +15,7 @@ from cyclemap.cli.commands import DoctorOptions
 from cyclemap.cli.output import PeopleConsole, publish_json
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import EngineNotBuilt, InvalidInput
-from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures import MeasuredFolder
 from cyclemap.mechanics.engine import library
 from cyclemap.written import Json, written
 

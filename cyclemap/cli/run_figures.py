@@ -16,7 +16,7 @@ from cyclemap.cli.output import (
     write_json,
 )
 from cyclemap.errors import CycleMapError, DataFileError
-from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
+from cyclemap.figures import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
 from cyclemap.text_files import only_writer, read_json, write_whole
 from cyclemap.written import Json, json_of, written

@@ -12,7 +12,7 @@ from PIL import Image
 
 from cyclemap.cli import run_figures as command
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Exhibit, Frame, entries
+from cyclemap.figures import CATALOGUE, NO_DATA, Exhibit, Frame, entries
 from cyclemap.views.panels.layout import new_figure
 
 KEYS = ["name", "title", "source", "caption", "file", "measured"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import cyclemap as cm
 from cyclemap.cli.main import cli
-from cyclemap.figures.catalogue import entries
+from cyclemap.figures import entries
 from cyclemap.mechanics import material_names
 from cyclemap.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
 from cyclemap.protocol.settings import SETTINGS

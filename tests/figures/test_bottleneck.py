@@ -12,7 +12,7 @@ from refusals import refused
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures import bottleneck as figure
+from cyclemap.figures import THETA0_FILE, bottleneck as figure
 from cyclemap.figures.bottleneck import (
     AGES,
     MATERIAL,
@@ -20,7 +20,6 @@ from cyclemap.figures.bottleneck import (
     bottleneck,
     measured_bottleneck,
 )
-from cyclemap.figures.catalogue import THETA0_FILE
 from cyclemap.maps import (
     CircleMap,
     WrappedNormal,

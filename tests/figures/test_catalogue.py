@@ -9,7 +9,7 @@ import pytest
 from refusals import refused
 
 import cyclemap.figures
-from cyclemap.figures.catalogue import CATALOGUE, entries, load_exhibit
+from cyclemap.figures import CATALOGUE, entries, load_exhibit
 
 NAMES = [entry.name for entry in CATALOGUE]
 
@@ -51,7 +51,7 @@ def test_an_unknown_name_is_refused_with_the_nearest() -> None:
 
 def test_the_catalogue_imports_no_exhibit_and_no_matplotlib() -> None:
     code = (
-        "import sys; from cyclemap.figures.catalogue import entries; entries();assert "
+        "import sys; from cyclemap.figures import entries; entries();assert "
         "'cyclemap.figures.ring_distance' not in sys.modules; print('matplotlib' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

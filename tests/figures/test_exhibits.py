@@ -3,7 +3,7 @@
 import pytest
 from figure_cases import assert_drawn, small, words_of
 
-from cyclemap.figures.catalogue import NO_DATA, load_exhibit
+from cyclemap.figures import NO_DATA, load_exhibit
 
 # Panels, bars of shades among them, and whether measured data are drawn where there are some. The
 # figures of four materials and the paths of pushes are drawn in tests of their own.

@@ -14,8 +14,7 @@ from cyclemap.evidence.identification.force_blocks import force_ratio_block, sli
 from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.pushes.recordings import PushFacts, push_name
 from cyclemap.evidence.recorded_push import Recording, record_push
-from cyclemap.figures import forces as figure
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
+from cyclemap.figures import NO_DATA, MeasuredFolder, forces as figure
 from cyclemap.figures.forces import (
     DIRECTION,
     FOLDER,

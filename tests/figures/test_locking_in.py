@@ -14,8 +14,7 @@ from refusals import refused
 
 from cyclemap.arrays import placed
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures import locking_in
-from cyclemap.figures.catalogue import Frame
+from cyclemap.figures import Frame, locking_in
 from cyclemap.figures.locking_in import animated_gif
 
 result = exhibited("locking-in")

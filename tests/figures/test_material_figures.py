@@ -11,7 +11,7 @@ from figure_cases import LONG, NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_fold
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import total_variation
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
+from cyclemap.figures import NO_DATA, MeasuredFolder, load_exhibit
 from cyclemap.figures.materials.directions import (
     PEAK_WORDS,
     UNIFORM,

@@ -8,7 +8,7 @@ from figure_cases import RECORDED, assert_drawn, exhibited, recorded_plywood, wo
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import read_theta0_pairs
-from cyclemap.figures.catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
+from cyclemap.figures import NO_DATA, THETA0_FILE, MeasuredFolder
 from cyclemap.figures.plywood_turns import (
     draw_turns_beside,
     floor_shapes,

@@ -13,7 +13,7 @@ from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import simulate_collection
-from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures import MeasuredFolder
 from cyclemap.figures.materials.repeated_pushes import (
     STANDS_FOR,
     Sampling,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from figure_cases import RECORDED_ABS, SCANS, SMALL, exhibited, recorded_folder
 
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
+from cyclemap.figures import NO_DATA, MeasuredFolder, load_exhibit
 from cyclemap.figures.materials.repeated_pushes import sampled_run
 from cyclemap.figures.materials.tables import (
     FRICTION_HEADER,
