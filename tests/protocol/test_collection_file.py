@@ -112,6 +112,15 @@ def test_a_first_guess_turns_a_disc_too() -> None:
     assert abs(disc.cycle(0.0).push_turn) > math.radians(10.0) > abs(straight.cycle(0.0).push_turn)
 
 
+def test_a_first_guess_pushes_no_side_that_a_straight_wall_could_not_touch() -> None:
+    """Of a hexagon with a slit, whose sides are the longest, one of the hexagon's."""
+    angles = np.radians(30.0 + 60.0 * np.arange(6))
+    hexagon = 0.05 * np.column_stack([np.cos(angles), np.sin(angles)])
+    slit = [(0.0433, -0.002), (-0.035, 0.0), (0.0433, 0.002)]
+    outline = Polygon(tuple(map(tuple, [*hexagon.tolist(), *slit])))
+    assert first_settings(outline, "slit")["side"] == 0
+
+
 def test_a_first_guess_pushes_the_box_as_far_as_its_rod_stays_on_it() -> None:
     loop = within_reach(own_loop())
     assert loop.push.distance < own_loop().push.distance
