@@ -51,7 +51,7 @@ from cyclemap.views.panels.style import (
 )
 
 from . import NO_DATA, Exhibit, MeasuredFolder
-from .materials.repeated_pushes import measured_scans, push_file_names, readable_pushes
+from .repeated_pushes import measured_scans, push_file_names, readable_pushes
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.

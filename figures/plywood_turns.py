@@ -59,7 +59,7 @@ from cyclemap.views.panels.style import (
 from cyclemap.views.sentences import angle
 
 from . import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
-from .materials.repeated_pushes import measured_theta0, published_statistics, recorded_set
+from .repeated_pushes import measured_theta0, published_statistics, recorded_set
 
 SURFACE = "plywood"
 # As in the paper.

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, simulate_collection
 from cyclemap.figures import MeasuredFolder, load_exhibit
-from cyclemap.figures.materials.repeated_pushes import Sampling
+from cyclemap.figures.repeated_pushes import Sampling
 from cyclemap.mechanics import SidePush
 from cyclemap.views.panels.layout import render
 

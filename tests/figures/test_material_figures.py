@@ -12,14 +12,14 @@ from figure_cases import LONG, NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_fold
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import total_variation
 from cyclemap.figures import NO_DATA, MeasuredFolder, load_exhibit
-from cyclemap.figures.materials.directions import (
+from cyclemap.figures.material_directions import (
     PEAK_WORDS,
     UNIFORM,
     climb_of,
     share_near,
     staircases,
 )
-from cyclemap.figures.materials.turns import shortest_arc, turn_caption
+from cyclemap.figures.material_turns import shortest_arc, turn_caption
 from cyclemap.views.fit_page import CIRCLE
 
 NAMES = ["plywood", "abs", "delrin", "pu"]

@@ -14,7 +14,7 @@ from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import simulate_collection
 from cyclemap.figures import MeasuredFolder
-from cyclemap.figures.materials.repeated_pushes import (
+from cyclemap.figures.repeated_pushes import (
     STANDS_FOR,
     Sampling,
     SurfaceState,

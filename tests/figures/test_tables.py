@@ -9,8 +9,8 @@ import pytest
 from figure_cases import RECORDED_ABS, SCANS, SMALL, exhibited, recorded_folder
 
 from cyclemap.figures import NO_DATA, MeasuredFolder, load_exhibit
-from cyclemap.figures.materials.repeated_pushes import sampled_run
-from cyclemap.figures.materials.tables import (
+from cyclemap.figures.repeated_pushes import sampled_run
+from cyclemap.figures.tables import (
     FRICTION_HEADER,
     friction_caption,
     friction_ellipses,

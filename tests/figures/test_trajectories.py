@@ -21,7 +21,7 @@ from figure_cases import (
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures import NO_DATA, MeasuredFolder, load_exhibit
-from cyclemap.figures.materials.trajectories import (
+from cyclemap.figures.trajectories import (
     CROWDED,
     crossing_pairs,
     crowded_arcs,

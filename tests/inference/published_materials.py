@@ -25,7 +25,7 @@ from cyclemap.evidence.identification.stroke_block import (
     interpolation,
 )
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.figures.materials.repeated_pushes import (
+from cyclemap.figures.repeated_pushes import (
     PUBLISHED_CYCLES,
     SOURCE,
     PublishedStatistics,

@@ -16,7 +16,7 @@ from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import InvalidInput
-from cyclemap.figures.materials.repeated_pushes import (
+from cyclemap.figures.repeated_pushes import (
     PUBLISHED_CYCLES,
     PublishedStatistics,
     published_statistics,

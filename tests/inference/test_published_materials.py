@@ -10,7 +10,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import SurfaceParameters, identify
 from cyclemap.evidence.identification.stroke_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.figures.materials.repeated_pushes import published_statistics
+from cyclemap.figures.repeated_pushes import published_statistics
 from tests.inference.published_materials import TOLERANCES, statistics_block
 from tests.inference.published_prediction import node_values, predicted_statistics
 

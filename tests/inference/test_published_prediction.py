@@ -12,7 +12,7 @@ from refusals import refused
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import SurfaceParameters
 from cyclemap.evidence.identification.stroke_block import interpolation, loop_on
-from cyclemap.figures.materials.repeated_pushes import PUBLISHED, published_statistics
+from cyclemap.figures.repeated_pushes import PUBLISHED, published_statistics
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
 from cyclemap.mechanics import Material, load_material
 from tests.inference.published_prediction import (

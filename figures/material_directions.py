@@ -26,7 +26,7 @@ from cyclemap.views.panels.orientation import (
 from cyclemap.views.panels.style import LINE, SECOND, THIRD, name_tag
 from cyclemap.views.sentences import angle, listed
 
-from .. import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 from .repeated_pushes import (
     NOISE,
     PAPER,

@@ -27,7 +27,7 @@ from cyclemap.views.panels.orientation import (
 from cyclemap.views.panels.style import FOURTH, SECOND, say
 from cyclemap.views.sentences import angle, listed
 
-from .. import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 from .repeated_pushes import (
     PAPER,
     SIMULATED_BARS,

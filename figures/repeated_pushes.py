@@ -57,7 +57,7 @@ from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES
 from cyclemap.views.panels.style import BARS, DOTS, QUIET, Look
 from cyclemap.views.sentences import listed
 
-from .. import NO_DATA, THETA0_FILE, MeasuredFolder
+from . import NO_DATA, THETA0_FILE, MeasuredFolder
 
 if TYPE_CHECKING:
     import pandas

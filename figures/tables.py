@@ -18,7 +18,7 @@ from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.mechanics import EllipseFriction, load_material
 from cyclemap.views.sentences import angle, listed
 
-from .. import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 from .repeated_pushes import (
     PAPER,
     PUBLISHED_CYCLES,

@@ -34,7 +34,7 @@ from cyclemap.views.panels.scene import MM
 from cyclemap.views.panels.style import FORCE, cross, picture_style, show_window
 from cyclemap.views.sentences import angle, listed
 
-from .. import Exhibit, MeasuredFolder
+from . import Exhibit, MeasuredFolder
 from .repeated_pushes import (
     NOISE,
     PAPER,
