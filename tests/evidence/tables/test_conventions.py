@@ -289,6 +289,17 @@ def test_orientations_alone_say_what_is_assumed_and_are_turned_as_told(tmp_path)
     assert np.degrees(pairs.turn) == pytest.approx(np.diff(theta))
 
 
+def test_a_turn_that_is_told_has_the_sense_of_the_angles(tmp_path) -> None:
+    """One of more than half a turn, which two poses cannot tell."""
+    path = tmp_path / "log.csv"
+    rows = [f"0.1,0.2,{start},0.14,0.2,{start + 4.0 - 2.0 * math.pi},4.0" for start in (0.1, 0.9)]
+    path.write_text("\n".join(["x0,y0,theta0,x1,y1,theta1,dtheta", *rows, ""]))
+    for angles, sense in (("counter-clockwise", 1.0), ("clockwise", -1.0)):
+        table = cm.load_pushes(path, angles=angles).table
+        assert table["dtheta"].to_numpy() == pytest.approx(4.0 * sense)
+        assert table["theta1"].to_numpy() == pytest.approx(sense * np.array([4.1, 4.9]))
+
+
 def test_wrenches_and_twists_in_another_convention_are_refused(tmp_path) -> None:
     path = tmp_path / "wrenches.csv"
     path.write_text("fx,fy,m_over_rho,vx,vy,w_times_rho\n1,2,0.1,0.3,0.4,0.5\n")
