@@ -13,6 +13,7 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import read_theta0_pairs
+from cyclemap.evidence.tables.columns import Convention
 from cyclemap.resets import theta0_feed as module
 from cyclemap.resets.theta0_feed import NewOrientations, theta0_feed
 
@@ -68,6 +69,13 @@ def test_a_file_in_pieces_of_any_size_gives_what_the_whole_file_gives(file, size
             stream.write(raw[at : at + size])
         found += degrees(feed.look())
     assert found == [7.5 * k for k in range(20)]
+
+
+@pytest.mark.parametrize("name", ["theta0_deg", "yaw_deg"])
+def test_the_convention_turns_orientations_of_ours_and_of_own_tables(file, name) -> None:
+    file.write_text(f"{name}\n10\n25\n170\n")
+    feed = theta0_feed(file, convention=Convention("compass"))
+    assert degrees(feed.look(finished=True)) == [80.0, 65.0, -80.0]
 
 
 def test_pairs_and_staircases_are_read_by_their_first_orientation(file, measured_data) -> None:
