@@ -109,7 +109,9 @@ def read_mutations(folder: Path, count: int, seed: int) -> Counter[str]:
                 print(f"{kind} {number}: {traceback.format_exc(limit=-3)}", file=sys.stderr)
             if time.process_time() - begun > LONGEST_SECONDS:
                 outcomes["hang"] += 1
-                print(f"{kind} {number}: takes {time.process_time() - begun:.0f} s", file=sys.stderr)
+                print(
+                    f"{kind} {number}: takes {time.process_time() - begun:.0f} s", file=sys.stderr
+                )
             if not too_much and peak_bytes() > LARGEST_BYTES:
                 too_much = True
                 print(f"{kind} {number}: takes the memory to {peak_bytes()} bytes", file=sys.stderr)

@@ -56,10 +56,12 @@ def birkhoff_average(
 
     The error bound is estimated, not proved: the largest distance from the means over the first and
     the last half of the orbit, and over its first and last five twelfths, which converge like the
-    whole at such a length, plus rounding. Where qρ is whole to less than 1/N, q of a few dozen, the
-    mean is one over q points, which no part of the orbit shows: the error may be far above the
-    bound. inf where the orbit still creeps, through a bottleneck or towards an orbit of multiplier
-    ±1, so that its second half lies nowhere among its first: it has not been round once.
+    whole at such a length, plus rounding. Where qρ is whole to less than about 1/N, q up to 64,
+    the mean is one over q points, which no part of the orbit shows: it is then bounded by means
+    over q cycles from angles all round, among whose extremes the mean of every invariant law lies,
+    and by what the weights leave of these. inf where the orbit creeps otherwise, through a
+    bottleneck or towards an orbit of multiplier ±1, so that its second half lies nowhere among its
+    first: it has not been round once.
 
     References
     ----------
@@ -80,17 +82,21 @@ def birkhoff_average(
     count = whole_number("iterates", iterates, least=16)
     skipped = whole_number("transient", transient, least=0)
     visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
-    values = np.asarray((function or circle_map.turn)(visited), dtype=np.float64)
+    of_angles = function or circle_map.turn
+    values = np.asarray(of_angles(visited), dtype=np.float64)
     if values.shape != visited.shape:
         raise InvalidInput(
             f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry"
         )
     mean = weighted_mean(values)
-    moves = np.isfinite(mean) and np.ptp(values) > ANGLE * (1.0 + np.max(np.abs(values)))
-    if moves and _creeps(visited):
-        return Estimate(mean, float("inf"))
+    off = mean.error_bound
+    if np.isfinite(mean) and np.ptp(values) > ANGLE * (1.0 + np.max(np.abs(values))):
+        unseen = _unseen(circle_map, of_angles, visited, mean)
+        if unseen is None:
+            unseen = float("inf") if _creeps(visited) else 0.0
+        off = max(off, unseen)
     # A turn is told to half a spacing of floats at 2π, whatever its size.
-    return mean if function is not None else Estimate(mean, mean.error_bound + EPS * np.pi)
+    return Estimate(mean, off if function is not None else off + EPS * np.pi)
 
 
 def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
@@ -174,6 +180,49 @@ def _windowed(values: Array) -> float:
     return float(np.sum(window(values.size) * values))
 
 
+def _unseen(circle_map: CircleMap, function: Lift, visited: Array, mean: float) -> float | None:
+    """How far the mean along an orbit that nearly closes, and drifts on by a few gaps between its
+    points, may be from that all round; None for an orbit that does no such thing.
+
+    Whatever q is, the means over q cycles have all invariant means between their extremes; of how
+    they vary from gap to gap the weights leave little, the more gaps the less.
+    """
+    back = np.abs(shorter_way(visited[-2 : -2 - _FEW : -1] - visited[-1]))
+    nearest = np.minimum.accumulate(np.append(TWO_PI, back[:-1]))
+    for index in np.flatnonzero(back < 0.25 * nearest).tolist():
+        period = index + 1
+        steps = shorter_way(visited[period:] - visited[:-period])
+        # Gaps between q points are a whole turn together, and all q are drifted through at once.
+        gaps = abs(float(np.sum(steps))) / TWO_PI
+        rests = bool(np.abs(steps[-1]) <= ANGLE * TWO_PI)
+        drifts = np.all(steps > 0.0) or np.all(steps < 0.0)
+        if gaps > _MOST_GAPS or not (drifts or rests):
+            continue
+        size = np.abs(steps[::-1][::period])
+        # On the way to a periodic orbit steps fade.
+        if rests or (gaps < 1.0 and size[0] < 0.5 * size[size.size // 2]):
+            return None
+        ahead = np.mod(visited[-period:-1] - visited[-1], TWO_PI)
+        starts = visited[-1] + ahead.min(initial=TWO_PI) * np.arange(_BETWEEN) / _BETWEEN
+        # Over q cycles from each angle of the orbits that begin there, which lie all round.
+        along = orbits_angles(circle_map, starts, 2 * period)
+        sums = np.cumsum(function(along.ravel()).reshape(along.shape), axis=1)
+        means = (sums[:, period:] - sums[:, :-period]) / period
+        spread = float(np.ptp(means)) * _left_over(gaps)
+        return min(float(np.max(np.abs(means - mean))), 2.0 * spread)
+    return None
+
+
+def _left_over(turns: float) -> float:
+    """What a weighted mean over so many turns of a wave, or up to twice as many, leaves of it at
+    most.
+    """
+    weight = window(_SAMPLES)
+    share = np.arange(1.0, _SAMPLES + 1.0) / (_SAMPLES + 1.0)
+    tried = turns * np.linspace(1.0, 2.0, 64)
+    return float(np.max(np.abs(np.exp(1j * TWO_PI * np.outer(tried, share)) @ weight)))
+
+
 MAX_PERIOD = 512
 TRANSIENT = 2_000
 _STARTS = TWO_PI * np.mod(0.1 + np.sqrt(2.0) * np.arange(1.0, 6.0), 1.0)
@@ -182,6 +231,10 @@ _NEAR = 0.05  # radians: an orbit that comes back nearer than this may be close 
 _NEWTON = 30
 _BATCHES = 40
 DEVIATIONS = 4.0  # standard errors of the batches' mean
+_FEW = 64  # cycles within which an orbit nearly closes
+_MOST_GAPS = 10.0  # between its points, that it drifts by until its mean tells
+_BETWEEN = 64  # angles in such a gap
+_SAMPLES = 500  # of the weights
 _CREEPS = 0.02  # an orbit of which a smaller share lies among its first half has not gone round
 _CREEP = 10  # decimals of an angle: what moves less than 1e-10 radians stands still
 _DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a quasi-periodic orbit
@@ -318,8 +371,10 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
         return smooth
     means = values.reshape(_BATCHES, -1).mean(axis=1)
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
-    if smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth)):
-        return Estimate(smooth, smooth.error_bound + inexact)
+    unseen = _unseen(circle_map, lambda at: _log_slopes(circle_map, at, 0.0)[0], visited, smooth)
+    decided = smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth))
+    if decided or unseen is not None:
+        return Estimate(smooth, max(smooth.error_bound, unseen or 0.0) + inexact)
     off = float("inf") if _creeps(visited) else DEVIATIONS * spread + inexact
     return Estimate(float(np.mean(values)), off)
 

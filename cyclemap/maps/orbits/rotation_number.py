@@ -322,8 +322,8 @@ def rotation_number(
     Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is
     proved and ``locked``, with the two angles as ``proof``; at the very edge of a tongue the
     sides cannot be told apart. Otherwise ``estimate`` is ``birkhoff_average`` of the turn, and
-    ``value`` is the same where it lies inside the bounds and has a bound of its own, else their
-    middle.
+    ``value`` is the same where it lies inside the bounds and has a sharper one of its own, else
+    their middle.
 
     Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
     ``rotation_interval``), ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set
@@ -552,7 +552,7 @@ def _locking_proof(
 def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) -> RotationNumber:
     mean = birkhoff_average(circle_map, iterates=iterates)
     estimate = Estimate(mean / TWO_PI, mean.error_bound / TWO_PI)
-    known = lower <= estimate <= upper and estimate.error_bound < inf
+    known = lower <= estimate <= upper and estimate.error_bound <= 0.5 * (upper - lower)
     value = float(estimate) if known else 0.5 * (lower + upper)
     return RotationNumber(value, lower, upper, None, None, estimate)
 
