@@ -206,7 +206,10 @@ def _unseen(circle_map: CircleMap, function: Lift, visited: Array, mean: float) 
         starts = visited[-1] + ahead.min(initial=TWO_PI) * np.arange(_BETWEEN) / _BETWEEN
         # Over q cycles from each angle of the orbits that begin there, which lie all round.
         along = orbits_angles(circle_map, starts, 2 * period)
-        sums = np.cumsum(function(along.ravel()).reshape(along.shape), axis=1)
+        values = function(along.ravel()).reshape(along.shape)
+        if not np.isfinite(values).all():
+            return float("inf")
+        sums = np.cumsum(values, axis=1)
         means = (sums[:, period:] - sums[:, :-period]) / period
         spread = float(np.ptp(means)) * _left_over(gaps)
         return min(float(np.max(np.abs(means - mean))), 2.0 * spread)
