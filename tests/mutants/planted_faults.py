@@ -309,6 +309,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "Estimate(mean, mean.error_bound + blurred.upper)",
                 "Estimate(mean, mean.error_bound)",
             ),
+            ("np.abs(means - mean))), 2.0 * spread)", "np.abs(means - mean))), 0.02 * spread)"),
+            ("off = max(off, unseen)", "off = max(off, 0.0 * unseen)"),
         ],
     ),
     "maps/orbits/rotation_number.py": (
