@@ -90,7 +90,8 @@ def turns_over_theta0(
     """Simulate pushes on each material, look for recorded ones, and fit the law of Δθ to both."""
     panels = []
     for surface, material in STANDS_FOR.items():
-        recorded, run = recorded_set(measured, surface), sampled_run(material, sampling)
+        recorded = recorded_set(measured, surface)
+        run = sampled_run(material, sampling)
         simulated = fitted_laws(run.pushes)[0]
         law = simulated if recorded is None else fitted_laws(recorded)[0]
         shown = run.states[:: max(len(run.states) - 1, 1)]
@@ -192,7 +193,8 @@ def turn_histograms(
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.
     """
-    laws, cycle_laws = [], []
+    laws = []
+    cycle_laws = []
     for surface, material in STANDS_FOR.items():
         recorded = recorded_set(measured, surface)
         shown = sampled_run(material, sampling).pushes if recorded is None else recorded

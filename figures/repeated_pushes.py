@@ -261,7 +261,8 @@ def readable_pushes(files: Iterable[Path]) -> tuple[list[tuple[Path, PushRecord]
     >>> readable_pushes([Path("motion_surface=abs_shape=hex_a=0_v=20_i=0_s=0.7_t=0.h5")])
     ([], 1)
     """
-    records, unreadable = [], 0
+    records = []
+    unreadable = 0
     for path in files:
         try:
             record = read_push_file(path)

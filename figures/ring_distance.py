@@ -160,13 +160,15 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
     """Cycles of one turn, run one by one from half a turn behind the slow direction `slow` (rad);
     part cycles count.
     """
-    theta, cycles = slow - np.pi, 0
+    theta = slow - np.pi
+    cycles = 0
     end = theta + TWO_PI
     while True:
         following = loop.cycle(theta).theta_next
         if following >= end:
             return cycles + (end - theta) / (following - theta)
-        theta, cycles = following, cycles + 1
+        theta = following
+        cycles += 1
 
 
 @picture_style()
@@ -175,7 +177,8 @@ def draw_saddle_node(result: SaddleNode) -> Figure:
     and three graphs of the turn."""
     figure, panels = page("aab;aac;def", size=(11.0, 8.2))
     pair, multiplier, passage, *lower = panels
-    branch, fold = result.branch, result.fold
+    branch = result.branch
+    fold = result.fold
     _draw_sides(pair, branch, np.degrees(branch.points[:, 0]))
     pair.axvspan(MM * PAIR_RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
     middle = 0.5 * MM * (PAIR_RADII[0] + fold.radius)
@@ -234,7 +237,8 @@ def _draw_passage(axes: Axes, result: SaddleNode) -> None:
 def saddle_node_caption(result: SaddleNode) -> str:
     """What is seen, with its numbers."""
     stable, unstable = (math.degrees(theta) for theta in result.directions(0.013))
-    near, law = result.distances[0], result.passage[0]
+    near = result.distances[0]
+    law = result.passage[0]
     return (
         "Plywood (Table I), exact patch. With the ring 13 mm from the centre the robot locks in at "
         f"{stable:.1f}° and is driven away from {unstable:.1f}°; as the ring moves in the two "

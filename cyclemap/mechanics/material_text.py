@@ -358,13 +358,13 @@ def material_toml(material: Material) -> str:
         tables["floor_field"] = {**dict(rows), "reach_mm": 1e3 * material.field.reach}
     if any(material.session_spread):
         tables["session_spread"] = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
-    found = {}
+    known = {}
     for key, (field, unit) in FOUND_KEYS.items():
         value = getattr(material.found_with, field)
         if value is not None:
-            found[key] = round(1.0 / unit) * value
-    if found:
-        tables["found_with"] = found
+            known[key] = round(1.0 / unit) * value
+    if known:
+        tables["found_with"] = known
     for pressure in material.plates:
         tables[f"plates.{toml_key(pressure.plate)}"] = pressure.numbers
     for shift in material.frames:

@@ -180,12 +180,13 @@ def trust_sentences(comparison: Comparison) -> list[str]:
 
 def summary_sentence(comparison: Comparison) -> str:
     """The questions by their answer, in a line or two."""
-    told, said = verdicts(comparison), []
+    answered = verdicts(comparison)
+    sentences = []
     for word, answer in (("Agree", True), ("Do not agree", False), ("Open", None)):
-        questions = [verdict.question for verdict in told if verdict.agrees is answer]
+        questions = [verdict.question for verdict in answered if verdict.agrees is answer]
         if questions:
-            said.append(f"{word}: {', '.join(questions)}.")
-    return " ".join(said)
+            sentences.append(f"{word}: {', '.join(questions)}.")
+    return " ".join(sentences)
 
 
 def explanation_sentences(name: str, comparison: Comparison) -> list[str]:

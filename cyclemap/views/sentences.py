@@ -68,7 +68,8 @@ def headline(portrait: Portrait) -> str:
         for how, places in (("locks into", locked), ("rests at", rests))
         if places
     ]
-    jumps, lock = [angle(theta) for theta in portrait.gathering_jumps], portrait.rotation.locked
+    jumps = [angle(theta) for theta in portrait.gathering_jumps]
+    lock = portrait.rotation.locked
     if not words and jumps:
         words = [f"gathers about {listed(jumps)}"]
     elif not words and lock is not None and 1 < lock.denominator <= _MOST_IN_TURN:
@@ -160,7 +161,9 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
 
 def _ends(interval: DirectionInterval) -> str:
     """Where an interval begins and ends; one of more than half a turn tells no direction."""
-    low, high, decimals = interval.lower, interval.upper, _decimals(interval)
+    low = interval.lower
+    high = interval.upper
+    decimals = _decimals(interval)
     if high - low > math.pi:
         return "any direction"
     end = high % TWO_PI if high > TWO_PI else high
