@@ -50,7 +50,7 @@ _TOLERANCE = 1e-3
 _PUSHES_AHEAD = 300
 
 
-# The next action of a strategy, or what the next pushes of a loop will bring: as JSON, and in words.
+# The next action of a strategy, or what the next pushes of a loop bring: as JSON, and in words.
 Ahead = tuple[Json, str]
 LookAhead = Callable[[BiasMonitor], Ahead]
 

@@ -324,8 +324,8 @@ class JointProblem:
         return np.concatenate(residuals), np.concatenate(jacobians)
 
     def numerical_errors(self, vector: Array) -> Array:
-        """Return how far the residuals (n,) at values (k,) of the free parameters are off since they
-        are computed.
+        """Return how far the residuals (n,) at values (k,) of the free parameters are off since
+        they are computed.
         """
         values = self.values(vector)
         return np.concatenate([block.numerical_errors(values) for block in self.blocks])

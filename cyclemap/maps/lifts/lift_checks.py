@@ -211,8 +211,8 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
     degree.
 
     Refused: callables that fail on arrays, write to them or do not act entry by entry, values that
-    are not finite float64, F(θ + 2π) - F(θ) other than 2π·degree, a derivative that most differences
-    contradict, and jumps of more than π that are not among the breaks (wrapped).
+    are not finite float64, F(θ + 2π) - F(θ) other than 2π·degree, a derivative that most
+    differences contradict, and jumps of more than π that are not among the breaks (wrapped).
     """
     points = _POINTS
     if breaks.size:
@@ -357,8 +357,8 @@ def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
                 f"the {name} fails at θ = {theta:.9g} ({raised[0]}): it must be defined everywhere"
             )
     return (
-        f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised and "
-        "leave its argument as it is; build it of numpy functions, or wrap it in np.vectorize"
+        f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised "
+        "and leave its argument as it is; build it of numpy functions, or wrap it in np.vectorize"
     )
 
 

@@ -36,8 +36,8 @@ def needed_modes(noise: Noise) -> int:
     """
     if noise.tail(MAX_MODES) > NEGLIGIBLE:
         raise InvalidInput(
-            f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width (a wrapped normal "
-            "is resolved from 0.27 degrees on)"
+            f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width (a wrapped "
+            "normal is resolved from 0.27 degrees on)"
         )
     counts = range(1, MAX_MODES + 1)
     return counts[bisect_left(counts, True, key=lambda modes: noise.tail(modes) <= NEGLIGIBLE)]
