@@ -57,7 +57,16 @@ COLUMNS = (
     "drag (mm)",
     "next θ0 (°)",
 )
-DYNAMIC_COLUMNS = ("law", "model", *COLUMNS[:5], COLUMNS[6])
+DYNAMIC_COLUMNS = (
+    "law",
+    "model",
+    "θ0 (°)",
+    "push turn (°)",
+    "dx (mm)",
+    "dy (mm)",
+    "drag turn (°)",
+    "next θ0 (°)",
+)
 # Up to so many degrees an orientation is known to a thousandth of a degree.
 LARGEST_DEG = 1e12
 

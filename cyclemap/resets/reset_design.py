@@ -67,7 +67,7 @@ _MOST_SIMULATED = 4_000_000
 _ROUGH_RUNS = 20
 _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
 # Where a row tells the value of a demand.
-_TOLD = {
+_FIELD_OF = {
     TV: "worst",
     AFTER: "worst_after",
     DRAG: "drag",
@@ -354,7 +354,7 @@ def _as_its_row_says(limit: Limit, rows: Sequence[ResetRow]) -> Limit:
     """The limit with what the row of its reset tells, where there is one: the search is coarser."""
     for row in rows:
         if row.strategy == limit.strategy:
-            return replace(limit, value=getattr(row, _TOLD[limit.demand]))
+            return replace(limit, value=getattr(row, _FIELD_OF[limit.demand]))
     return limit
 
 
@@ -438,7 +438,7 @@ class _Judge:
             worst_histogram=worst_histogram,
             misses=tuple(misses),
             lacking=tuple(need for need in strategy.needs if need not in self.demands.abilities),
-            **{told: values[name] for name, told in _TOLD.items()},
+            **{field: values[name] for name, field in _FIELD_OF.items()},
         )
 
     def distances(self, strategy: ResetStrategy, turns: Array) -> list[tuple[float, float]]:

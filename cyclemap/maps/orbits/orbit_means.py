@@ -181,13 +181,15 @@ def _windowed(values: Array) -> float:
 
 
 def _unseen(circle_map: CircleMap, function: Lift, visited: Array, mean: float) -> float | None:
-    """How far the mean along an orbit that nearly closes, and drifts on by a few gaps between its
-    points, may be from that all round; None for an orbit that does no such thing.
+    """How far the mean of a function along an orbit that nearly closes, and drifts on by a few gaps
+    between its points, may be from that all round; None for an orbit that does no such thing.
+
+    visited : (n,) rad, n ≥ 16, in the order of time; mean : as ``weighted_mean`` has it.
 
     Whatever q is, the means over q cycles have all invariant means between their extremes; of how
     they vary from gap to gap the weights leave little, the more gaps the less.
     """
-    back = np.abs(shorter_way(visited[-2 : -2 - _FEW : -1] - visited[-1]))
+    back = _returns(visited, _FEW)
     nearest = np.minimum.accumulate(np.append(TWO_PI, back[:-1]))
     for index in np.flatnonzero(back < 0.25 * nearest).tolist():
         period = index + 1
@@ -214,6 +216,11 @@ def _unseen(circle_map: CircleMap, function: Lift, visited: Array, mean: float) 
         spread = float(np.ptp(means)) * _left_over(gaps)
         return min(float(np.max(np.abs(means - mean))), 2.0 * spread)
     return None
+
+
+def _returns(visited: Array, most: int) -> Array:
+    """How far the last angle of an orbit lies from those 1, 2, ... ``most`` cycles before, rad."""
+    return np.abs(shorter_way(visited[-2 : -2 - most : -1] - visited[-1]))
 
 
 def _left_over(turns: float) -> float:
@@ -363,7 +370,7 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
 
 def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     last = visited[-1]
-    back = np.abs(shorter_way(visited[-2 : -2 - MAX_PERIOD : -1] - last))
+    back = _returns(visited, MAX_PERIOD)
     for period in 1 + np.flatnonzero((back <= np.minimum.accumulate(back)) & (back < _NEAR)):
         orbit = _attracting_orbit(circle_map, float(last), int(period))
         if orbit is not None:
