@@ -278,7 +278,8 @@ def order_sentence(measured: MeasuredCycleMap) -> str:
     most = (
         tried.rmse_by_order is not None and 1 < tried.rmse_by_order.shape[-1] == tried.harmonics + 1
     )
-    order = f"{law.harmonics} harmonics{' (the most tried)' if most else ''}"
+    many = "" if law.harmonics == 1 else "s"
+    order = f"{law.harmonics} harmonic{many}{' (the most tried)' if most else ''}"
     return f"Cycle map of {measured.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
 
 
@@ -323,6 +324,8 @@ def _places(state: MapState) -> str:
 def _interval(place: TurnPlace) -> str:
     """A turn with its interval, in the decimals that the interval allows."""
     width = math.degrees(place.upper - place.lower)
+    if not width < 360.0:
+        return "an angle that these pushes do not tell"
     decimals = 2 if width < 1.0 else 1 if width < 10.0 else 0
     low, high = angle(place.lower, decimals), angle(place.upper, decimals)
     return f"{angle(place.turn, decimals)} ({low} to {high})"

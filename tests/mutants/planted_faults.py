@@ -523,6 +523,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "return float(stdtrit(freedom, probability))",
             ),
             ("residuals / (value.size - unknowns)", "residuals / value.size"),
+            ("reached = leverage <= 1.0", "reached = leverage >= 0.0"),
             (
                 "good = np.flatnonzero(mean - mean[best] <= spread + floor)",
                 "good = np.flatnonzero(mean - mean[best] <= floor)",
@@ -679,8 +680,12 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "reached = sign * (paths - start) >= TWO_PI",
             ),
             (
-                "sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)",
+                "sign = np.where(seen & (np.abs(turn) > half), np.sign(turn), 0.0)",
                 "sign = np.where(seen, np.sign(turn), 0.0)",
+            ),
+            (
+                "bias = np.maximum(np.abs(around @ richer.coefficients), local)",
+                "bias = local",
             ),
         ],
     ),

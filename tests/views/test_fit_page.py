@@ -87,6 +87,12 @@ def test_what_is_not_known_is_said(motion, angles) -> None:
     short = fit_set(made_set(made_path(25, 0.26, 0.02), moved=False))
     unknown = ", wear unknown (100 cycles or more would tell);"
     assert unknown in sentences.order_sentence(short.cycle_map)
+    # Two readings by turns fix no slope between them.
+    still = np.random.default_rng(0).choice([0.2, 0.202], 60)
+    two = fit_set(made_set(Theta0Pairs(still[:-1], still[1:], still), moved=False))
+    assert "turns by an angle that these pushes do not tell" in sentences.place_sentence(
+        two.cycle_map
+    )
 
 
 def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:

@@ -106,15 +106,22 @@ def student_quantile(level: float, freedom: float) -> float:
     return float(stdtrit(freedom, 0.5 + 0.5 * probability))
 
 
-def cycle_folds(count: int, seed: int) -> Whole:
-    """The fold (0 to 9) of each of ``count`` values in order of recording: shape (count,).
+def cycle_folds(theta: Array, seed: int) -> Whole:
+    """The fold (0 to 9) of each of the angles (n,), rad, in order of recording; -1 of those that no
+    fold leaves out.
 
     Neighbours in time stand at nearly the same angle and share their errors, so they are left out
     together (Roberts et al. 2017): the record is cut into blocks of successive values, five a fold
     where it is long enough, and the blocks dealt to the folds at random, from ``seed``.
 
+    An angle that is far from all others, as where a loop that rests came from, can be predicted by
+    no law without its own block: where even one harmonic, fitted to the rest, would be less certain
+    there than one value is (its leverage is above 1), the value is never left out, as long as half
+    of the folds keep some.
+
     Raises InvalidInput for fewer than two values a fold.
     """
+    count = theta.size
     if count < 2 * FOLDS:
         raise InvalidInput(
             f"{count} pairs are too few to choose an order by {FOLDS} folds; give the order "
@@ -123,7 +130,17 @@ def cycle_folds(count: int, seed: int) -> Whole:
     whole_number("seed", seed, least=0)
     blocks = FOLDS * max(1, min(BLOCKS_A_FOLD, count // (SMALLEST_BLOCK * FOLDS)))
     dealt = np.random.default_rng(seed).permutation(np.arange(blocks) % FOLDS)
-    return dealt[np.arange(count) * blocks // count]
+    fold = dealt[np.arange(count) * blocks // count]
+    columns = fourier_columns(theta, 1)
+    leverage = np.zeros(count)
+    for index in range(FOLDS):
+        out = fold == index
+        _, r = np.linalg.qr(columns[~out])
+        if np.linalg.matrix_rank(r, rtol=1e-9) == r.shape[0]:
+            leverage[out] = np.sum(np.linalg.solve(r.T, columns[out].T) ** 2, axis=0)
+    reached = leverage <= 1.0
+    enough = np.unique(fold[reached]).size >= FOLDS // 2
+    return np.where(reached, fold, -1) if enough else fold
 
 
 def nested_errors(
@@ -137,7 +154,7 @@ def nested_errors(
     value's own fold.
 
     Times ``weight`` (n,), by which they are fitted. One QR factorisation a fold serves all sizes.
-    inf where the rest of the values does not fix the coefficients.
+    inf where the rest of the values does not fix the coefficients, and of values in no fold.
     """
     root = np.sqrt(np.broadcast_to(weight, value.shape))
     design = design * root[:, np.newaxis]
@@ -158,11 +175,14 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
     """The one-standard-error rule (Breiman et al. 1984) with paired differences: (index, mean
     (k,)).
 
-    errors : (n, k) of each value under each candidate; sizes : (k,) coefficients of each. The
+    errors : (n, k) of each value under each candidate, those in no fold passed over; sizes : (k,)
+        coefficients of each. The
         candidate with fewest coefficients is taken whose mean error exceeds the least by no more
         than the standard error, over the folds, of that very difference: folds that are hard for
         all candidates alike do not blur the comparison.
     """
+    errors = errors[fold >= 0]
+    fold = fold[fold >= 0]
     mean = np.mean(errors, axis=0)
     if not np.isfinite(mean).any():
         raise InvalidInput(
@@ -171,8 +191,8 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
     best = int(np.argmin(mean))
     finite = np.where(np.isfinite(errors), errors, 0.0)
     excess = finite - finite[:, [best]]
-    by_fold = np.array([np.mean(excess[fold == index], axis=0) for index in range(FOLDS)])
-    spread = np.std(by_fold, axis=0, ddof=1) / np.sqrt(FOLDS)
+    by_fold = np.array([np.mean(excess[fold == index], axis=0) for index in np.unique(fold)])
+    spread = np.std(by_fold, axis=0, ddof=1) / np.sqrt(len(by_fold))
     # Errors of rounding size differ by chance: there the floor decides for the simpler.
     floor = 1e-26 * np.max(np.abs(mean[np.isfinite(mean)]))
     good = np.flatnonzero(mean - mean[best] <= spread + floor)

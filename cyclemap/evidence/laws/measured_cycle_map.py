@@ -12,10 +12,10 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole, even_angles, shorter_way, stretches
 from cyclemap.checks import whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
-from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.evidence.laws.linear_fit import fourier_columns, student_quantile, weighted_fit
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.laws.push_sets import FEWEST
 from cyclemap.evidence.laws.turn_bins import AngleHistogram, angle_histogram, is_covered
@@ -317,7 +317,8 @@ def measured_cycle_map(
     InvalidInput
         For fewer than 20 pairs, and where they do not fix the map, as where none turns.
     ConvergenceError
-        Where the scatter could not be fitted.
+        Where the scatter could not be fitted, or the law is far too steep between the measured
+        orientations.
 
     Examples
     --------
@@ -347,7 +348,9 @@ def measured_cycle_map(
     forecast = _forecast(pairs, fitted, whole_number("runs", runs, least=2), seed)
     part_of(progress, 1, 2)(1.0)
     seen = is_covered(pairs.theta, _AROUND)
-    crowd, bias, square = _residuals_around(pairs, fitted)
+    off = _residuals(pairs, fitted)
+    crowd, mean, square = _around(pairs.theta, off)
+    law = fitted.law if fitted.wear is None else fitted.wear.whole
     # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
     # crowds count.
     crowded = np.flatnonzero(seen & (crowd >= np.minimum(_CROWD, np.max(crowd[seen]))))
@@ -356,44 +359,85 @@ def measured_cycle_map(
         ScatterPlace(float(_AROUND[crowded[index]]), math.sqrt(square[index]))
         for index in (np.argmin(square), np.argmax(square))
     )
-    early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
+    # Residuals whose mean is off in a window tell that the law is, by more than chance makes it.
+    chance = law.noise(_AROUND) / np.sqrt(np.maximum(crowd, 1.0))
+    off_there = np.abs(mean)
+    local = np.where(off_there > _MISFIT * chance, off_there + 2.0 * chance, 0.0)
+    bias, error = _misfit(law, pairs.theta, off, local)
+    early, late = (_map_state(fitted, share, seen, bias, error) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
 
 
-def _residuals_around(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[Array, Array, Array]:
-    """How many pairs lie within 10 degrees of each place around, the mean of their residuals, each
-    beside the law of its own cycle, and of the squares of these; 0 without any.
-    """
-    off = pairs.turn - fitted.law(pairs.theta)
+def _residuals(pairs: Theta0Pairs, fitted: FittedMap) -> Array:
+    """What is left of each turn, rad, beside the law of its own cycle."""
     if fitted.wear is not None and pairs.cycle is not None:
-        off = pairs.turn - fitted.wear.turns(pairs.theta, pairs.cycle)
+        return pairs.turn - fitted.wear.turns(pairs.theta, pairs.cycle)
+    return pairs.turn - fitted.law(pairs.theta)
+
+
+def _around(theta: Array, off: Array) -> tuple[Array, Array, Array]:
+    """How many residuals lie within 10 degrees of each place around, their mean, and that of their
+    squares; 0 without any.
+    """
     # Place by place: all at once takes gigabytes of a long log.
-    near = (off[np.abs(shorter_way(place - pairs.theta)) <= _MISFIT_REACH] for place in _AROUND)
+    near = (off[np.abs(shorter_way(place - theta)) <= _MISFIT_REACH] for place in _AROUND)
     count, total, square = np.array([(own.size, np.sum(own), np.dot(own, own)) for own in near]).T
     most = np.maximum(count, 1.0)
     return count, total / most, square / most
 
 
-def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: Array) -> MapState:
-    """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about
-    each place.
+def _misfit(law: PeriodicLaw, theta: Array, off: Array, local: Array) -> tuple[Array, Array]:
+    """By how much the law may be off at each place around beyond what its covariance states, and
+    the standard error of that, rad.
+
+    What one harmonic more adds to it, as the interval of a smoother is centred by a rougher one
+    (Calonico, Cattaneo & Titiunik 2014): the order is chosen to predict, and leaves out what it
+    cannot tell from chance; inf where the pairs fix no more. Or ``local``, where that is more.
+    """
+    columns = fourier_columns(theta, law.harmonics + 1)
+    count, size = columns.shape
+    weight = law.noise(theta) ** -2.0
+    try:
+        richer = weighted_fit(columns, off, weight)
+    except InvalidInput:
+        return np.full(_GRID, np.inf), np.zeros(_GRID)
+    scale = np.sum(weight * richer.residuals**2) / (count - size)
+    own = weighted_fit(columns[:, :-2], off, weight)
+    around = fourier_columns(_AROUND, law.harmonics + 1)
+    added = np.einsum("ni,ij,nj->n", around, richer.covariance, around)
+    added -= np.einsum("ni,ij,nj->n", around[:, :-2], own.covariance, around[:, :-2])
+    bias = np.maximum(np.abs(around @ richer.coefficients), local)
+    return bias, np.sqrt(np.maximum(scale * added, 0.0))
+
+
+def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, error: Array) -> MapState:
+    """The fitted map after a share of the cycles; its law may be off by ``bias``, with the standard
+    error ``error``, at each place around.
     """
     worn = fitted.wear
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
     turn = law(_AROUND)
-    error = _turn_error(law, bias, crowd)
-    sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
+    half = _turn_error(law, bias, error)
+    sign = np.where(seen & (np.abs(turn) > half), np.sign(turn), 0.0)
 
     def place(index: int, cycles: float | None = None) -> TurnPlace:
         middle = float(turn[index])
-        half = float(error[index])
-        return TurnPlace(float(_AROUND[index]), middle, middle - half, middle + half, cycles)
+        reach = float(half[index])
+        return TurnPlace(float(_AROUND[index]), middle, middle - reach, middle + reach, cycles)
 
     frozen = map_of_turn(law)
-    orbits = {
-        round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)
-    }
+    try:
+        orbits = {
+            round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)
+        }
+        passages = slow_passages(frozen)
+    except ConvergenceError:
+        steepest = math.degrees(float(np.max(np.abs(turn))))
+        raise ConvergenceError(
+            f"the fitted law of {law.harmonics} harmonics turns by {steepest:.3g}° where no θ0 was "
+            "measured, too steeply to be searched: give fewer harmonics"
+        ) from None
     crossed = set[int]()
     undecided = []
     # The longest runs of neighbours that are open, the last place beside the first; all in one
@@ -407,7 +451,7 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
         else:
             undecided.append(place(_least(np.abs(turn), np.array(run))))
     slow = []
-    for passage in slow_passages(frozen):
+    for passage in passages:
         index = round(passage.theta / TWO_PI * _GRID) % _GRID
         if sign[index] != 0.0:
             slow.append(place(index, passage.passage_cycles))
@@ -416,20 +460,18 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     return MapState(cycle, sure, tuple(slow), tuple(undecided), slowest)
 
 
-def _turn_error(law: PeriodicLaw, bias: Array, crowd: Array) -> Array:
-    """Half of the 95 % interval of the turn at each place.
+def _turn_error(law: PeriodicLaw, bias: Array, error: Array) -> Array:
+    """Half of the 95 % interval of the turn at each place, of a law that may be off by ``bias``
+    with the standard error ``error``.
 
-    What the law states (the least of all turns is asked for, and a law of p coefficients is free in
-    p places), more where residuals are alike, and its misfit: a law of too low an order is off by
-    what its residuals have in common thereabouts, which no covariance knows.
+    The least of all turns is asked for, and a law of p coefficients is free in p places; more
+    where neighbouring residuals are alike.
     """
     alike = min(max(law.lag_correlation, 0.0), 0.99)
-    count = law.coefficients.size
-    quantile = student_quantile(1.0 - 0.05 / count, law.count - count)
-    stated = quantile * law.standard_error(_AROUND) * np.sqrt((1.0 + alike) / (1.0 - alike))
-    misfit = np.abs(bias)
-    chance = law.noise(_AROUND) / np.sqrt(np.maximum(crowd, 1))
-    return np.asarray(stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0))
+    free = law.coefficients.size + 2
+    quantile = student_quantile(1.0 - 0.05 / free, max(law.count - free, 1))
+    stated = quantile * np.hypot(law.standard_error(_AROUND), error)
+    return np.asarray(stated * np.sqrt((1.0 + alike) / (1.0 - alike)) + bias)
 
 
 def _least(values: Array, places: Whole) -> int:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
@@ -134,20 +134,25 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
     The residuals are those of prediction: each from the law fitted without its own fold. 0 is
     constant scatter.
     """
-    fold = cycle_folds(value.size, seed)
+    fold = cycle_folds(theta, seed)
     squares = nested_errors(design, value, np.array([design.shape[1]]), fold)[:, 0]
-    if not np.isfinite(squares).all():
+    judged = fold >= 0
+    if not np.isfinite(squares[judged]).all():
         raise InvalidInput(
             "the law cannot be fitted with a fold left out; give more pairs, or noise_harmonics "
             "yourself"
         )
-    orders = np.arange(_MAX_NOISE_HARMONICS + 1)
-    losses = np.empty((value.size, orders.size))
+    # In a gap wider than half a wave of it a series may do anything.
+    places = np.sort(np.mod(theta, TWO_PI))
+    gap = float(np.max(np.diff(places, append=places[0] + TWO_PI)))
+    orders = np.arange(min(_MAX_NOISE_HARMONICS, int(np.pi / gap)) + 1)
+    losses = np.zeros((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)
         for index in range(FOLDS):
             out = fold == index
-            level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
+            rest = judged & ~out
+            level = columns[out] @ fit_log_variance(columns[rest], squares[rest])
             # A law that leaves no scatter at all where something was left out is lost by any
             # measure.
             losses[out, order] = 0.5 * (
@@ -304,7 +309,8 @@ def fit_periodic_law(
         The largest order that is tried.
     noise_harmonics : int or None, default 0
         The order of the log-variance of the scatter in θ; 0 takes it constant, None chooses
-        from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
+        from 0 to 3 by cross-validated likelihood, as many as have half a wave in the widest gap
+        between angles. Where it is not 0 the law is the one of
         maximum likelihood, and its order is chosen twice: with equal weights, then with the
         weights 1/variance (of mean 1) of that first law.
     seed : int, default 0
@@ -385,7 +391,7 @@ def fit_series(
     for _ in range(2 if choice and noise_harmonics != 0 else 1):
         if choice:
             # Each degree with all orders, which are nested, by what is left out of the folds.
-            fold = cycle_folds(values.size, seed)
+            fold = cycle_folds(angles, seed)
             squares = []
             sizes = [(2 * np.array(orders) + 1) * (candidate + 1) for candidate in degrees]
             for candidate, size in zip(degrees, sizes, strict=True):

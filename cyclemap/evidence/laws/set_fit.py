@@ -171,9 +171,10 @@ def motion_law(
     columns = fourier_columns(angles, law.harmonics)
     weight = scatter_weights(angles, law.log_variance)
     size = np.array([law.coefficients.size])
-    fold = cycle_folds(values.size, seed)
-    errors = nested_errors(columns, values, size, fold, weight)[:, 0]
-    return MotionLaw(quantity, angles, values, law, float(np.sqrt(np.mean(errors / weight))))
+    fold = cycle_folds(angles, seed)
+    errors = nested_errors(columns, values, size, fold, weight)[:, 0] / weight
+    left_out_rms = float(np.sqrt(np.mean(errors[fold >= 0])))
+    return MotionLaw(quantity, angles, values, law, left_out_rms)
 
 
 @dataclass(frozen=True, eq=False)

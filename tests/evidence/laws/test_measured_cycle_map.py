@@ -256,3 +256,36 @@ def test_a_long_log_is_fitted_in_memory_that_grows_with_its_pairs_alone() -> Non
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 500 * pairs.theta.nbytes
+
+
+def resting_pairs(pull: float, scatter: float, count: int, seed: int) -> tuple[Theta0Pairs, float]:
+    """A path that is drawn to one angle, from up to half a radian beside it; and that angle."""
+    rng = np.random.default_rng(seed)
+    rest = rng.uniform(0.0, TURN)
+    path = [rest + rng.uniform(-0.5, 0.5)]
+    for kick in scatter * rng.standard_normal(count):
+        path.append(path[-1] - pull * np.sin(path[-1] - rest) + kick)
+    theta = np.array(path)
+    return Theta0Pairs(theta[:-1], theta[1:], path=theta), rest
+
+
+@pytest.mark.parametrize(("pull", "scatter"), [(0.1, 0.03), (0.3, 0.01), (0.6, 0.1)])
+def test_of_a_loop_that_rests_every_interval_holds_the_true_turn(pull, scatter) -> None:
+    """The order that predicts best may leave out the pull itself: the interval knows."""
+    held = []
+    for seed in range(8):
+        pairs, rest = resting_pairs(pull, scatter, 60, seed)
+        state = measured_cycle_map(pairs, wear=False, runs=2).late
+        for place in (*state.passages, *state.undecided, state.slowest):
+            held.append(place.lower <= -pull * np.sin(place.theta - rest) <= place.upper)
+    assert np.mean(held) >= 0.95
+
+
+def test_a_loop_that_came_to_rest_is_told_to_rest_there_with_its_own_scatter() -> None:
+    """Where it came from, no fold can be judged that leaves it out: it must not choose the law."""
+    for seed in range(6):
+        pairs, rest = resting_pairs(0.6, 0.01, 150, seed)
+        found = measured_cycle_map(pairs, wear=False, runs=2)
+        (orbit,) = found.late.fixed_points
+        assert orbit.kind == "stable" and abs(np.sin(orbit.points[0] - rest)) < 0.005
+        assert found.fitted.sigma == pytest.approx(0.01, rel=0.25)

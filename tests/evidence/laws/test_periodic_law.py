@@ -53,7 +53,7 @@ def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
     order.
     """
     theta, value = made(1, count=90)
-    design, fold = fourier_columns(theta, 4), cycle_folds(90, seed=5)
+    design, fold = fourier_columns(theta, 4), cycle_folds(theta, seed=5)
     found = nested_errors(design, value, np.array([1, 5, 9]), fold)
     for j, size in enumerate((1, 5, 9)):
         for one in range(10):
@@ -63,11 +63,32 @@ def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
 
 
 def test_folds_are_equal_shares_made_of_blocks_of_successive_values() -> None:
-    fold = cycle_folds(2000, seed=3)
+    theta = np.random.default_rng(0).uniform(0.0, 6.0, 2000)
+    fold = cycle_folds(theta, seed=3)
     assert np.bincount(fold).tolist() == [200] * 10
     changes = np.flatnonzero(np.diff(fold)) + 1
     assert changes.size <= 49 and np.all(changes % 40 == 0)
-    assert not np.array_equal(fold, cycle_folds(2000, seed=4))
+    assert not np.array_equal(fold, cycle_folds(theta, seed=4))
+
+
+def test_an_angle_that_one_harmonic_cannot_reach_from_the_rest_is_in_no_fold() -> None:
+    """Twelve values come to rest from afar; the same values all around are all in folds."""
+    rest = 0.05 * np.random.default_rng(1).standard_normal(108)
+    fold = cycle_folds(np.append(np.geomspace(2.0, 0.4, 12), rest), seed=0)
+    assert np.all(fold[:8] == -1) and np.all(fold[12:] >= 0)
+    assert np.all(cycle_folds(40.0 * rest, seed=0) >= 0)
+
+
+def test_scatter_waves_only_where_half_a_wave_of_it_was_measured_in_every_gap() -> None:
+    """Scatter that triples from one end of the angles to the other."""
+    rng = np.random.default_rng(4)
+    orders = []
+    for reach in (0.4, 2.0, np.pi):
+        theta = rng.uniform(-reach, reach, 400)
+        value = np.exp(0.5 * np.sin(theta * (np.pi / 2) / reach)) * rng.standard_normal(400)
+        law = fit_periodic_law(theta, value, harmonics=1, noise_harmonics=None)
+        orders.append(law.log_variance.size // 2)
+    assert orders[0] == 0 and orders[1] == 1 and orders[2] >= 1
 
 
 def test_the_one_standard_error_rule_takes_the_simplest_that_is_not_clearly_worse() -> None:
