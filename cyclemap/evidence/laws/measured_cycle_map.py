@@ -20,7 +20,7 @@ from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.laws.push_sets import FEWEST
 from cyclemap.evidence.laws.turn_bins import AngleHistogram, angle_histogram, is_covered
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.maps import Orbit, fixed_points, slow_passages
+from cyclemap.maps import Orbit, SlowPassage, fixed_points, slow_passages
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE
 
@@ -426,18 +426,7 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, error: 
         reach = float(half[index])
         return TurnPlace(float(_AROUND[index]), middle, middle - reach, middle + reach, cycles)
 
-    frozen = map_of_turn(law)
-    try:
-        orbits = {
-            round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)
-        }
-        passages = slow_passages(frozen)
-    except ConvergenceError:
-        steepest = math.degrees(float(np.max(np.abs(turn))))
-        raise ConvergenceError(
-            f"the fitted law of {law.harmonics} harmonics turns by {steepest:.3g}° where no θ0 was "
-            "measured, too steeply to be searched: give fewer harmonics"
-        ) from None
+    orbits, passages = _orbits_and_passages(law)
     crossed = set[int]()
     undecided = []
     # The longest runs of neighbours that are open, the last place beside the first; all in one
@@ -458,6 +447,25 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, error: 
     slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
     sure = tuple(orbit for index, orbit in orbits.items() if index in crossed)
     return MapState(cycle, sure, tuple(slow), tuple(undecided), slowest)
+
+
+def _orbits_and_passages(law: PeriodicLaw) -> tuple[dict[int, Orbit], list[SlowPassage]]:
+    """The fixed points of the law's map, by their place around, and where it is slow: a law that
+    turns alike everywhere has neither.
+    """
+    if law.harmonics == 0:
+        return {}, []
+    frozen = map_of_turn(law)
+    try:
+        orbits = fixed_points(frozen)
+        passages = slow_passages(frozen)
+    except ConvergenceError:
+        steepest = math.degrees(float(np.max(np.abs(law(_AROUND)))))
+        raise ConvergenceError(
+            f"the fitted law of {law.harmonics} harmonics turns by {steepest:.3g}° where no θ0 was "
+            "measured, too steeply to be searched: give fewer harmonics"
+        ) from None
+    return {round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in orbits}, passages
 
 
 def _turn_error(law: PeriodicLaw, bias: Array, error: Array) -> Array:
