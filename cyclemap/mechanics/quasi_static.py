@@ -150,8 +150,8 @@ class QuasiStaticModel:
         reach = _reach(pressure, self.slider)
         if reach > _FARTHEST * whole:
             doubt = (
-                f"the footprint reaches {1e3 * reach:.4g} mm from the object's centroid, the object "
-                f"{1e3 * whole:.4g} mm: is it in metres, and of this object?"
+                f"the footprint reaches {1e3 * reach:.4g} mm from the object's centroid, the "
+                f"object {1e3 * whole:.4g} mm: is it in metres, and of this object?"
             )
             warnings.warn(doubt, DoubtfulInput, stacklevel=4)
         vars(self).update(

@@ -266,10 +266,10 @@ class CellLaw(StationaryLaw):
     Nisoli 2020).
 
     Let p be the law, Πp its means on the cells (of width w), p̃ the computed one, G the norm of
-    (I - L̃)⁻¹ on masses. Then ‖Πp - p̃‖₁ <= G (‖ΠL(p - Πp)‖₁ + ‖Π(L - L̃)p‖₁), ``mass_error``. Under
-    noise uniform on [-h, h] these are at most max(w·|image of a cell|) V/4h and ``bend``/h, V =
-    1/h; without noise (w/2) V and, for the preimages of edges, on which the cells are cut, 2 sup p
-    times F's rounding over inf |F'|, V the variation that an inequality of Lasota & Yorke gives,
+    (I - L̃)⁻¹ on masses. Then ‖Πp - p̃‖₁ <= G (‖ΠL(p - Πp)‖₁ + ‖Π(L - L̃)p‖₁), ``mass_error``.
+    Under noise uniform on [-h, h] these are at most max(w·|image of a cell|) V/4h and ``bend``/h, V
+    = 1/h; without noise (w/2) V and, for the preimages of edges, on which the cells are cut, 2 sup
+    p times F's rounding over inf |F'|, V the variation that an inequality of Lasota & Yorke gives,
     but 2 where the map has a ``max_error``. All that is proved; measured are G, ``bend`` and,
     without noise, sup|(1/F')'| and inf|F'|.
     """

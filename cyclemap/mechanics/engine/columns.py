@@ -109,7 +109,7 @@ class Structure:
 
 
 def places_in(laid: np.dtype[Any]) -> dict[str, tuple[int, str]]:
-    """Return where each number or table of a structure begins, bytes, and its kind; by dotted names.
+    """Return where each number or table of a structure begins, bytes, and its kind, by dotted name.
 
     >>> inner = Structure("Inner", "", "count", "")
     >>> outer = Structure("Outer", "size", "", "at", (("in", inner),))

@@ -153,8 +153,8 @@ OUTPUT = Columns("OUTPUTS", "OUTPUT_", "pushed:3 ended:3 way")
 RESULT = Columns(
     "RESULT_COLUMNS", "RESULT_", f"status has_left is_ambiguous travel {OUTPUT.entries}"
 )
-# The course of a task: number of the stroke (0: the push), the rod's way in the push or in the drag,
-# the rod's place, the object's place and orientation, piece and mode; place of contact (of two, the
+# The course of a task: number of the stroke (0: the push), the rod's way in the push or drag, the
+# rod's place, the object's place and orientation, piece and mode; place of contact (of two, the
 # first) and the rod's force, world frame; both forces at the contact, residual of the balance.
 RECORD = Columns(
     "RECORD_COLUMNS",
