@@ -52,7 +52,9 @@ class Noise(Protocol):
         """
 
     def coefficients(self, m: ArrayLike) -> Array:
-        """κ_m = E e^{imξ}, real by symmetry; any whole m, any shape."""
+        """κ_m = E e^{imξ}, real by symmetry; any shape. Those of whole m count; between them they
+        fall alike, since nodes are counted by where they are negligible.
+        """
 
     def tail(self, m: int) -> float:
         """A bound on the sum of |κ_k| over k > m; inf where the sum diverges."""

@@ -99,17 +99,17 @@ def load_material(name: str | Path) -> Material:
 
     Notes
     -----
-    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and
-    it may hold `name`, `provenance`, `misfit`, `inferred` (true or false), and tables: [worn]
-    with `cycles`, the friction after them and a `course` of pairs [cycles, share] (`Wear`);
-    [found_with] with pusher_mu, pin_friction_mm (`FoundWith`); [plates.NAME] with inner_share,
-    rim_share, corner_share, or plate_dome_kpa, plate_warp_kpa, plate_warp_deg
-    (`PlatePressure`); [floor_shape] with floor_dome_kpa, floor_bow_kpa, floor_bow_deg, and
-    [sessions.NAME] with the same (`FloorSession`); [session_spread] with dome_kpa, bow_x_kpa,
-    bow_y_kpa; [frames.NAME] with shift_x_mm, shift_y_mm (`FrameShift`); [posterior] with
+    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it
+    may hold `name`, `provenance`, `misfit`, `inferred` (true or false), and tables: [worn] with
+    `cycles`, the friction after them and a `course` of pairs [cycles, share] (`Wear`); [found_with]
+    with pusher_mu, pin_friction_mm (`FoundWith`); [plates.NAME] with inner_share, rim_share,
+    corner_share, or plate_dome_kpa, plate_warp_kpa, plate_warp_deg (`PlatePressure`); [floor_shape]
+    with floor_dome_kpa, floor_bow_kpa, floor_bow_deg, and [sessions.NAME] with the same
+    (`FloorSession`); [session_spread] with dome_kpa, bow_x_kpa, bow_y_kpa; [floor_field]
+    (`FloorField`); [frames.NAME] with shift_x_mm, shift_y_mm (`FrameShift`); [posterior] with
     `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with `log_sigma` and
-    `correlation` (`CycleNoise`). Tables of object, push, reset, noise and strategy are passed
-    over: `loop_from_file` reads those.
+    `correlation` (`CycleNoise`). Tables of object, push, reset, noise, strategy, predicted,
+    simulation and data are passed over: `loop_from_file` reads the first five.
 
     Examples
     --------

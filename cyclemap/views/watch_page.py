@@ -259,7 +259,7 @@ def _covering(audit: Audit) -> str:
             f"{angle(state.gap_centre, 0)}"
         )
     arc_words = ", ".join(f"{angle(low, 0)} to {angle(high % TWO_PI, 0)}" for low, high in arcs[:4])
-    more = f" and {len(arcs) - 4} arcs more" if len(arcs) > 4 else ""
+    more = f" and {counted(len(arcs) - 4, 'more arc')}" if len(arcs) > 4 else ""
     return f"cover {arc_words}{more}: {state.covered:.0%} of the circle is within 5° of one"
 
 

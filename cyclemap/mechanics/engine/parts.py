@@ -1,7 +1,9 @@
 """What a pressure is made of: kinds of rows that C sums over, and the parts of a load.
 
-A part that is added here has its share of the load, its rows and its nodes; C and Python ask for no
-more.
+A part has its share of the load, its rows, and the nodes that stand for them from afar, by which
+Python and C know it. What else a new one needs: its share in ``PatchFootprint`` (with the centre of
+pressure, and in ``pressure_points``), in ``PlatePressure`` and in ``settings.toml``; where its rows
+are points that come to rest, ``pressure.c`` must count them apart from the corners.
 """
 
 from collections.abc import Mapping

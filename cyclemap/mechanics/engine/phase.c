@@ -1,4 +1,5 @@
-/* One phase: a motion integrated until its contact changes, which it lands on. */
+/* One phase: which way a contact moves, and that motion integrated until the contact changes, which
+   it lands on. */
 
 /* A margin this share of the tolerance's root below zero still counts as kept, and a place where
    one is that near to zero as landed on: rates are continuous from one law to the next, so that
@@ -11,6 +12,8 @@ static const double AT_END = 1e-14, AT_REST = 1e-9;
 /* Forces may lie outside the friction cone by this, over the mean friction coefficient: far more
    than their rounding. */
 static const double FORCE_SLACK = 4e-10;
+/* Forces that are outside the cone by this when a slip ends tell that it reverses. */
+static const double REVERSED = 1e-3;
 /* A margin that dips this many slacks below zero at a stage, though not at the end, calls for a
    shorter step. */
 static const double DIP = 30.0;
@@ -24,6 +27,93 @@ static const double UNWATCHED = 1e-5;
 /* Steps go no farther than this many times to where a point passes its rest. */
 static const double OVERSHOOT = 1.2;
 enum { NOTHING = -100, MOST_STEPS = 20000 };
+
+/* Approach and motion along the outline of a rod that travels by one, and the curve's metric. */
+typedef struct {
+    double approach, along, metric;
+} Touch;
+
+static Touch touch_of(const Stroke *r, const Motion *m, const double *state) {
+    Begun b;
+    begin(r, m, state, m->z, &b);
+    return (Touch){b.frame[FRAME_APPROACH], b.frame[FRAME_ALONG], b.frame[FRAME_METRIC]};
+}
+
+/* Slides from a motion that sticks, with the unknowns of the same twist. */
+static Motion sliding(const Stroke *r, const Motion *m, const double *state, int mode) {
+    Touch touch = touch_of(r, m, state);
+    double approach = fmax(touch.approach, 1e-6);
+    int slide = r->friction == 0.0 ? SLIDE_FREE : mode;
+    return motion_of(r, slide, m->piece, m->z[SPIN] / approach, touch.along / approach);
+}
+
+/* The motion on the other side of a broken margin. A rod that stops sliding sticks; but where a
+   support point stands still, the slip may reverse at once: the force that sticking needs is then
+   far outside the cone. */
+static int other_mode(Stroke *r, Motion *m, const double *state, int broken) {
+    double row[ROW], report[REPORT];
+    if (!slides(m)) {
+        *m = sliding(r, m, state, broken == FIRST ? SLIDE_LEFT : SLIDE_RIGHT);
+        return 1;
+    }
+    int reversed = m->mode == SLIDE_LEFT ? SLIDE_RIGHT : SLIDE_LEFT;
+    Touch touch = touch_of(r, m, state);
+    *m = motion_of(r, STICK, m->piece, touch.approach * m->z[SPIN], 0.0);
+    int found = evaluate(r, m, state, row, report);
+    if (found < 0) return found;
+    if (count_of_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED)
+        *m = sliding(r, m, state, reversed);
+    return 1;
+}
+
+/* Sticks if the force that sticking needs lies in the friction cone, else slides the way it
+   points. */
+static int first_motion(Stroke *r, Motion *m, const double *state) {
+    double row[ROW], report[REPORT];
+    *m = motion_of(r, STICK, m->piece, 0.0, 0.0);
+    int found = evaluate(r, m, state, row, report);
+    if (found < 0) return found;
+    if (row[MARGIN + APPROACH] <= 0.0) return POINTS_AWAY;
+    double first = row[MARGIN + FIRST], second = row[MARGIN + SECOND];
+    if (first >= 0.0 && second >= 0.0 && r->friction > 0.0) return 1;
+    return other_mode(r, m, state, first < second ? FIRST : SECOND);
+}
+
+/* How the object moves in a ring whose friction circle has a radius: a spin that depends on the
+   orientation alone never changes its sign on the way, so that the mode stays. */
+static int ring_mode(Stroke *r, const Motion *m, const double *state) {
+    double still[UNKNOWN_SIZE] = {0.0}, row[ROW], report[REPORT];
+    if (r->friction == 0.0) return RING;
+    iterate(r, m, state, still, row, report);
+    double torque = report[RESIDUAL];
+    if (fabs(torque) <= r->friction * hypot(report[NORMAL_FORCE], report[TANGENTIAL_FORCE]))
+        return RING_STUCK;
+    return torque < 0.0 ? RING_LEFT : RING_RIGHT;
+}
+
+/* How far below zero each margin may go. The ends of a piece count by the curvature beyond them:
+   arcs have the rod's radius. A point may come to them from rest, so that its travel is off by the
+   root of what is left. */
+static void set_slack(const Stroke *r, const Motion *m, double *slack) {
+    double tolerance = r->object->tolerance, radius = r->object->radius;
+    double strict = STRICT_SHARE * tolerance;
+    for (int k = 0; k < MARGINS; ++k) slack[k] = SLACK_SHARE * sqrt(tolerance);
+    slack[APPROACH] = strict;
+    if (m->mode == STICK) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
+    if (place_of(m) == AT_WEDGE) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
+    if (place_of(m) != AT_OUTLINE) return;
+    double loose = fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict);
+    double end = radius > 0.0 ? loose : AT_END;
+    slack[AFTER_LOW] = slack[BEFORE_HIGH] = kind_of(r, m) == KIND_CORNER ? end / radius : end;
+}
+
+/* Where a margin is landed on, in slacks: a contact that sticks is still inside the friction cone,
+   one that slides has just come to rest, so that the force that it needs to stick is inside as
+   well. */
+static double goal_of(const Motion *m, int broken) {
+    if (broken < FIRST || broken == RESTS) return 0.0;
+    return slides(m) ? -0.5 : 0.5;
+}
 
 /* Where a stroke is written down, as long as there is room. */
 struct Record {
@@ -68,22 +158,6 @@ static int least(const double *row, const double *slack, double *value) {
     return index;
 }
 
-/* How far below zero each margin may go. The ends of a piece count by the curvature beyond them:
-   arcs have the rod's radius. A point may come to them from rest, so that its travel is off by the
-   root of what is left. */
-static void set_slack(const Stroke *r, const Motion *m, double *slack) {
-    double tolerance = r->object->tolerance, radius = r->object->radius;
-    double strict = STRICT_SHARE * tolerance;
-    for (int k = 0; k < MARGINS; ++k) slack[k] = SLACK_SHARE * sqrt(tolerance);
-    slack[APPROACH] = strict;
-    if (m->mode == STICK) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
-    if (place_of(m) == AT_WEDGE) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
-    if (place_of(m) != AT_OUTLINE) return;
-    double loose = fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict);
-    double end = radius > 0.0 ? loose : AT_END;
-    slack[AFTER_LOW] = slack[BEFORE_HIGH] = kind_of(r, m) == KIND_CORNER ? end / radius : end;
-}
-
 /* The margin that breaks first, where, and its slope (in slacks) there, as the stages tell
    roughly. */
 static void first_crossing(const Step *taken, const double *slack, int *index, double *place,
@@ -106,14 +180,6 @@ static void first_crossing(const Step *taken, const double *slack, int *index, d
             *slope = (b - a) / width;
         }
     }
-}
-
-/* Where a margin is landed on, in slacks: a contact that sticks is still inside the friction cone,
-   one that slides has just come to rest, so that the force that it needs to stick is inside as
-   well. */
-static double goal_of(const Motion *m, int broken) {
-    if (broken < FIRST || broken == RESTS) return 0.0;
-    return slides(m) ? -0.5 : 0.5;
 }
 
 /* Shortens a step until the first margin to break is zero: secants on its length inside a bracket;

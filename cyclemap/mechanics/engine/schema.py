@@ -83,7 +83,9 @@ MODES = (
 )
 PLACES = ("outline", "ring", "wedge")
 
-# The law of friction: half axes, the ellipse's centre, its direction, and the centre of pressure.
+# The law of friction, scaled by ``quasi_static.py``, packed by ``strokes.py``, copied into every
+# motion, and turned into the object's frame by ``equations.py``: half axes, the ellipse's centre,
+# its direction, and the centre of pressure.
 LAW = Columns("LAW_SIZE", "LAW_", "mu_a mu_b m0 n0 phi centre_x centre_y")
 # Pieces of a contact curve: kind, geometry, range; the pieces before and after.
 PIECE = Columns("PIECE_COLUMNS", "PIECE_", "kind geometry:5 low high before after")

@@ -1,7 +1,5 @@
 /* Phases joined: how a contact goes on where it changes, and whole pushes and legs of drags. */
 
-/* Forces that are outside the cone by this when a slip ends tell that it reverses. */
-static const double REVERSED = 1e-3;
 /* First steps to try, extents: where they are too long, the estimate of their error may flatter. */
 static const double FIRST_PUSH_STEP = 0.07, FIRST_DRAG_STEP = 0.12;
 /* A leg of a drag this short, extents, is none. */
@@ -10,57 +8,6 @@ static const double NO_LEG = 1e-12;
    none. */
 static const double TURNS_BACK = 1e-3;
 enum { MOST_PHASES = 10000 };
-
-/* Approach and motion along the outline of a rod that travels by one, and the curve's metric. */
-typedef struct {
-    double approach, along, metric;
-} Touch;
-
-static Touch touch_of(const Stroke *r, const Motion *m, const double *state) {
-    Begun b;
-    begin(r, m, state, m->z, &b);
-    return (Touch){b.frame[FRAME_APPROACH], b.frame[FRAME_ALONG], b.frame[FRAME_METRIC]};
-}
-
-/* Slides from a motion that sticks, with the unknowns of the same twist. */
-static Motion sliding(const Stroke *r, const Motion *m, const double *state, int mode) {
-    Touch touch = touch_of(r, m, state);
-    double approach = fmax(touch.approach, 1e-6);
-    int slide = r->friction == 0.0 ? SLIDE_FREE : mode;
-    return motion_of(r, slide, m->piece, m->z[SPIN] / approach, touch.along / approach);
-}
-
-/* The motion on the other side of a broken margin. A rod that stops sliding sticks; but where a
-   support point stands still, the slip may reverse at once: the force that sticking needs is then
-   far outside the cone. */
-static int other_mode(Stroke *r, Motion *m, const double *state, int broken) {
-    double row[ROW], report[REPORT];
-    if (!slides(m)) {
-        *m = sliding(r, m, state, broken == FIRST ? SLIDE_LEFT : SLIDE_RIGHT);
-        return 1;
-    }
-    int reversed = m->mode == SLIDE_LEFT ? SLIDE_RIGHT : SLIDE_LEFT;
-    Touch touch = touch_of(r, m, state);
-    *m = motion_of(r, STICK, m->piece, touch.approach * m->z[SPIN], 0.0);
-    int found = evaluate(r, m, state, row, report);
-    if (found < 0) return found;
-    if (count_of_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED)
-        *m = sliding(r, m, state, reversed);
-    return 1;
-}
-
-/* Sticks if the force that sticking needs lies in the friction cone, else slides the way it
-   points. */
-static int first_motion(Stroke *r, Motion *m, const double *state) {
-    double row[ROW], report[REPORT];
-    *m = motion_of(r, STICK, m->piece, 0.0, 0.0);
-    int found = evaluate(r, m, state, row, report);
-    if (found < 0) return found;
-    if (row[MARGIN + APPROACH] <= 0.0) return POINTS_AWAY;
-    double first = row[MARGIN + FIRST], second = row[MARGIN + SECOND];
-    if (first >= 0.0 && second >= 0.0 && r->friction > 0.0) return 1;
-    return other_mode(r, m, state, first < second ? FIRST : SECOND);
-}
 
 /* How much later the variation comes to the end of a piece, at which a motion is at this row. A
    point that has just come to rest there leaves when its force comes to the cone's edge: its rate
@@ -342,18 +289,6 @@ static int run_push(Stroke *r, Motion *m, double *state, double length, double *
             return found;
     }
     return CHATTERS;
-}
-
-/* How the object moves in a ring whose friction circle has a radius: a spin that depends on the
-   orientation alone never changes its sign on the way, so that the mode stays. */
-static int ring_mode(Stroke *r, const Motion *m, const double *state) {
-    double still[UNKNOWN_SIZE] = {0.0}, row[ROW], report[REPORT];
-    if (r->friction == 0.0) return RING;
-    iterate(r, m, state, still, row, report);
-    double torque = report[RESIDUAL];
-    if (fabs(torque) <= r->friction * hypot(report[NORMAL_FORCE], report[TANGENTIAL_FORCE]))
-        return RING_STUCK;
-    return torque < 0.0 ? RING_LEFT : RING_RIGHT;
 }
 
 /* One leg in the ring. Where its friction does not hold the object there is a spin in its sense,
