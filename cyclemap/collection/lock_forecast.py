@@ -145,7 +145,7 @@ def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Arr
 
 def forecast_from_turns(
     turns: Array,
-    sigma: float,
+    sigma: float | Array,
     cycles: int,
     start: float = 0.0,
     seed: int = 0,
@@ -189,7 +189,7 @@ def forecast_from_turns(
 
 def sampled_paths(
     turns: Array,
-    sigma: float,
+    sigma: float | Array,
     cycles: int,
     start: float = 0.0,
     seed: int = 0,
@@ -202,8 +202,8 @@ def sampled_paths(
     ----------
     turns : ndarray, (samples, 96)
         Turns of a cycle, rad, from angles evenly all around, taken as straight between them.
-    sigma : float
-        Standard deviation of a cycle's noise, rad.
+    sigma : float or ndarray, (samples,)
+        Standard deviation of a cycle's noise, rad; of all samples, or of each.
     cycles : int
         Pushes of a run, at least 50.
     start : float
@@ -230,9 +230,9 @@ def sampled_paths(
     count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
     runs = max(_RUNS, len(turns))
     require_room("angles of a forecast", 2.0 * count * runs, "forecast fewer pushes")
-    scatter = positive_number("sigma", sigma)
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     each = -(-runs // len(turns))
+    scatter = np.repeat(_noise_of_each(sigma, len(turns)), each)
     now = np.repeat(turns, each, axis=0)
     later = now + np.repeat(ahead, each, axis=0)
     run = np.arange(len(now))
@@ -289,13 +289,13 @@ class LoggedTurns:
         Turns of a cycle after the last push, rad, from angles evenly all around.
     change : ndarray, (draws, nodes)
         By how much these will have changed after the pushes ahead, rad.
-    sigma : float
-        Standard deviation of a cycle's noise, rad: of those tried the likeliest after the log.
+    sigma : ndarray, (draws,)
+        Standard deviation of a cycle's noise, rad, as likely as the log leaves it.
     """
 
     turns: Array
     change: Array
-    sigma: float
+    sigma: Array
 
 
 def turns_after_log(
@@ -368,17 +368,39 @@ def turns_after_log(
         for share in _NOISES
         for change in _CHANGES
     ]
-    likeliest = max(
-        tried, key=lambda state: state.evidence - 0.5 * math.log2(state.sigma / scatter) ** 2
-    )
-    weight = np.exp(likeliest.likelihood - likeliest.likelihood.max())
-    sample = rng.choice(len(believed), count, p=weight / weight.sum())
-    off, walk = (
-        rng.multivariate_normal(np.zeros(nodes), covariance, count, "ignore", method="eigh")
-        for covariance in (likeliest.covariance, alike)
-    )
-    change = likeliest.change * math.sqrt(steps) * walk
-    return LoggedTurns(likeliest.turns[sample] + off, change, likeliest.sigma)
+    # A few pushes leave the noise open, and with the likeliest alone they would tell too much.
+    likely = [state.evidence - 0.5 * math.log2(state.sigma / scatter) ** 2 for state in tried]
+    drawn = rng.choice(len(tried), count, p=_shares(np.array(likely)))
+    change = np.array([state.change for state in tried])[drawn, None] * math.sqrt(steps)
+    walk = rng.multivariate_normal(np.zeros(nodes), alike, count, "ignore", method="eigh")
+    after = np.empty((count, nodes))
+    for index in np.unique(drawn).tolist():
+        state = tried[index]
+        rows = np.flatnonzero(drawn == index)
+        sample = rng.choice(len(believed), rows.size, p=_shares(state.likelihood))
+        off = rng.multivariate_normal(
+            np.zeros(nodes), state.covariance, rows.size, "ignore", method="eigh"
+        )
+        after[rows] = state.turns[sample] + off
+    return LoggedTurns(after, change * walk, np.array([state.sigma for state in tried])[drawn])
+
+
+def _shares(likelihood: Array) -> Array:
+    """How likely each is beside the others, from logarithms."""
+    weight = np.exp(likelihood - likelihood.max())
+    return np.asarray(weight / weight.sum())
+
+
+def _noise_of_each(sigma: float | Array, samples: int) -> Array:
+    """The noise of each sample, (samples,), where one is given for all or for each."""
+    if np.ndim(sigma) == 0:
+        return np.full(samples, positive_number("sigma", sigma))
+    each = finite_array("sigma", sigma, ndim=1)
+    if each.size != samples or not (each > 0.0).all():
+        raise InvalidInput(
+            f"sigma must be positive, one number or one of each of {samples} samples"
+        )
+    return each
 
 
 def _samples_of(turns: ArrayLike) -> Array:

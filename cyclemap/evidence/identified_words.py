@@ -20,6 +20,8 @@ _WORSE = 1.1
 # Half of the places are further off than this share of the object's reach, half of the turns than
 # that (rad): on floors they lie within a tenth, and within 10 degrees.
 _LOST_PLACE = 0.5
+# Between those on floors and the lost ones the object or its frame is another.
+_FAR_PLACE = 0.15
 _LOST_TURN = math.radians(35.0)
 # Beliefs are held against values further away than this many of their standard deviations.
 _BEYOND_BELIEF = 4.0
@@ -131,6 +133,23 @@ def implausible(identified: Identification, reach: float) -> tuple[str, ...]:
             "beyond 1.7 : 1"
         )
     return tuple(dict.fromkeys(doubts))
+
+
+def far_places(identified: Identification, reach: float) -> tuple[str, ...]:
+    """Return which places lie further off than on any floor that was measured, in words.
+
+    reach : m, of the object from its origin.
+    """
+    words = []
+    for off in identified.errors:
+        is_place = off.kind.endswith("place (m)") and off.rows >= _FEWEST
+        if is_place and off.median > _FAR_PLACE * reach:
+            words.append(
+                f"{_named(off)}, of an object that reaches {1e3 * reach:.3g} mm; on floors that "
+                "were measured half lie within a tenth of that: are outline and origin of its frame "
+                "those of the data's poses, and the push's side, place and length those made?"
+            )
+    return tuple(words)
 
 
 def _size(off: KindErrors, value: float) -> str:

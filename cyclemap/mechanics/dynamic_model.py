@@ -514,7 +514,9 @@ def _loads(leg: LegEquations, pressed: PressedFootprint, theta: ca.SX) -> list[c
         angle = 2.0 * order * theta
         quadratic += 2.0 * (ca.cos(angle) * wave.real - ca.sin(angle) * wave.imag)
     places = (np.array(leg.footprint.positions) - pressed.outline.centroid) / size
-    loads = [ca.fmax(quadratic_at(ca.vertsplit(quadratic), x, y), 0.0) for x, y in places]
+    loads = []
+    for (x, y), share in zip(places, leg.footprint.weights, strict=True):
+        loads.append(share * ca.fmax(quadratic_at(ca.vertsplit(quadratic), x, y), 0.0))
     total = sum(loads)
     return [load / total for load in loads]
 

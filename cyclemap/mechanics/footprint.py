@@ -8,7 +8,7 @@ from typing import get_args
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import (
     finite_array,
     finite_number,
@@ -29,6 +29,8 @@ _ROUNDING = 1e-12
 # Loads of points up to this share of an even one count as none: rounding may leave them below zero.
 _NO_LOAD = 1e-9
 _MOST_ASIDE = 99
+# A point as near to a side, in extents of its outline, lies on it.
+_ON_SIDE = 1e-9
 # Thinner outlines than this share of their extent lose too many digits to be summed in closed form.
 _THINNEST = 1e-4
 
@@ -271,7 +273,7 @@ FOOTPRINTS = get_args(Footprint)
 
 def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box,
-    where they lie inside the outline, with the same load on each.
+    where they lie inside the outline, with the same load on each; half of it on a side.
 
     Parameters
     ----------
@@ -284,7 +286,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     Returns
     -------
     PointFootprint
-        The points, which carry the same load each.
+        The points, which carry the same load each; those on a side of the outline half of it.
 
     Raises
     ------
@@ -312,12 +314,25 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     share = (np.arange(count) + 0.5) / count
     shares = np.stack(np.meshgrid(share, share, indexing="ij"), axis=-1).reshape(-1, 2)
     cells = low + shares * (high - low)
-    inside = cells[outline.contains(cells)]
-    if len(inside) < 2:
+    # On an ellipse lies none: no squares of two of the centres' odd numbers add up to a square.
+    on_side = _on_sides(outline, cells) if isinstance(outline, Polygon) else np.zeros(len(cells))
+    load = np.where(on_side, 0.5, outline.contains(cells))
+    bears = load > 0.0
+    if bears.sum() < 2:
         raise InvalidInput(
-            f"a {count} x {count} grid has {len(inside)} points inside the outline: make it finer"
+            f"a {count} x {count} grid has {bears.sum()} points inside the outline: make it finer"
         )
-    return PointFootprint(tuple(map(tuple, inside.tolist())), (1.0,) * len(inside))
+    return PointFootprint(tuple(map(tuple, cells[bears].tolist())), tuple(load[bears].tolist()))
+
+
+def _on_sides(outline: Polygon, points: Array) -> Mask:
+    """Whether points (k, 2) lie on a side, but for rounding."""
+    begin = outline.array
+    side = np.roll(begin, -1, axis=0) - begin
+    along = ((points[:, None] - begin) * side).sum(axis=-1) / (side**2).sum(axis=-1)
+    nearest = begin + np.clip(along, 0.0, 1.0)[..., None] * side
+    away = np.hypot(*np.moveaxis(points[:, None] - nearest, -1, 0)).min(axis=1)
+    return np.asarray(away <= _ON_SIDE * outline.extent)
 
 
 def corner_footprint(outline: Polygon) -> PointFootprint:
@@ -451,12 +466,12 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     even = grid_footprint(footprint.outline, count)
     if footprint.even_share == 1.0 and footprint.gradient == (0.0, 0.0):
         return even
-    grid, centroid = even.quadrature[0], np.array(footprint.outline.centroid)
+    (grid, share), centroid = even.quadrature, np.array(footprint.outline.centroid)
     leaning = (grid - centroid) @ np.array(footprint.gradient)
-    points, loads = [grid], [(footprint.even_share + leaning) / len(grid)]
+    points, loads = [grid], [(footprint.even_share + leaning) * share]
     if footprint.inner_share:
         points.append(centroid + INNER * (grid - centroid))
-        loads.append(np.full(len(grid), footprint.inner_share / len(grid)))
+        loads.append(footprint.inner_share * share)
     if footprint.rim_share:
         around, shares = _rim_points(footprint, 4 * count)
         points.append(around)

@@ -6,13 +6,15 @@ object, push and reset, too), the protocol file, then each --set in order.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.mechanics import Material
 from cyclemap.plain_text import key_and_value
 from cyclemap.protocol.collection_file import data_settings, names_surface
 from cyclemap.protocol.protocol_file import read_protocol
@@ -108,7 +110,9 @@ def chosen_collection(
         setting_named(key)
     of_loop, sigma = without_noise(said)
     warn_of_defaults(of_loop)
-    loop = loop_from_settings(of_loop, CollectionLoop.mit(material=surface or "isotropic"))
+    stated = CollectionLoop.mit(material=surface or "isotropic")
+    loop = loop_from_settings(of_loop, stated)
+    _warn_of_what_no_longer_holds(stated.material, loop.material)
     overruled = () if strategy is None else overruled_settings(strategy)
     lost = [key for key in set_settings(settings) if key in overruled]
     if lost:
@@ -117,6 +121,23 @@ def chosen_collection(
             "every cycle; change it in its table [strategy]"
         )
     return ChosenCollection(loop, sigma, strategy, said)
+
+
+def _warn_of_what_no_longer_holds(stated: Material, used: Material) -> None:
+    """Warn (`DoubtfulInput`) of what was found with a friction that is set to another."""
+    lost = {
+        "its wear": stated.wear is not None and used.wear is None,
+        "the samples of what is believed of it": (
+            stated.posterior is not None and used.posterior is None
+        ),
+    }
+    named = [words for words, is_lost in lost.items() if is_lost]
+    if named:
+        doubt = (
+            f"the friction of {stated.name} is set to another: what was found with its own is left "
+            f"out, {' and '.join(named)}"
+        )
+        warnings.warn(doubt, DoubtfulInput, stacklevel=3)
 
 
 def said_settings(

@@ -76,8 +76,10 @@ def first_settings(outline: Outline, name: str) -> Settings:
         corner = outline.array[(side + 1) % outline.sides]
     ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
     if not outline.contains(ring):
-        cells, _ = grid_footprint(outline, _CELLS).quadrature
-        ring = cells[np.argmin(np.hypot(*(cells - ring).T))]
+        cells, load = grid_footprint(outline, _CELLS).quadrature
+        # Those with half a cell's load lie on a side.
+        inside = cells[load > 0.75 * load.max()]
+        ring = inside[np.argmin(np.hypot(*(inside - ring).T))]
     return {
         **shape,
         "object_name": name,

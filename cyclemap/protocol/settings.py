@@ -250,6 +250,7 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
             stated.provenance,
             plates=stated.plates,
             floor=stated.floor,
+            noise=stated.noise,
         )
     changes: dict[str, Any] = {"slider": slider, "material": material}
     for name in ("pusher", "push", "reset"):

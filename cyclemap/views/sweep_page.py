@@ -55,6 +55,8 @@ REFUSED: Look = {
     "hatch": "xxx",
     "linewidth": 0.0,
 }
+# Where a number is infinite, such as a rest that never ends.
+ENDLESS: Look = {"marker": "^", "linestyle": "none", "color": PREDICTED, "label": "without end"}
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
 # Behind a number.
 _SPACED_UNITS = {"degree": "°", "mm": " mm", "kg": " kg"}
@@ -183,6 +185,10 @@ def draw_swept_plane(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
         look, ticks = _shades(values)
         draw_shades(axes, first, second, values, quantity_label(quantity), ticks, **look)
         axes.set(xlabel=labels[0], ylabel=labels[1])
+    column, row = np.nonzero(np.isposinf(values))
+    if column.size:
+        place = sweep.axes[0].positions[column], sweep.axes[1].positions[row]
+        axes.plot(*place, **ENDLESS, markersize=5, zorder=3)
     refused = np.zeros(sweep.shape, dtype=bool)
     refused[sweep.places()] = sweep.refused
     if refused.any():
@@ -279,6 +285,10 @@ def draw_swept_line(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
         mark = "o-" if axis.is_number else "o"
         axes.plot(axis.positions, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
         axes.set(xlabel=key_label(axis.key), ylabel=quantity_label(quantity))
+    endless = axis.positions[np.isposinf(values)]
+    if endless.size:
+        level = np.full(endless.size, 0.98)
+        axes.plot(endless, level, transform=axes.get_xaxis_transform(), **ENDLESS, markersize=6)
     _finish_line_axis(axes, sweep)
 
 
@@ -306,6 +316,9 @@ def draw_swept_scatter(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     look |= {"edgecolor": QUIET, "linewidth": 0.6, "zorder": 3}
     dots = axes.scatter(first[known], second[known], c=values[known], s=size, **look)
     scale_beside(axes, dots, quantity_label(quantity), ticks)
+    endless = np.isposinf(values)
+    if endless.any():
+        axes.plot(first[endless], second[endless], **ENDLESS, markersize=6, zorder=4)
     if refused.any():
         place = first[refused], second[refused]
         axes.plot(*place, "x", color=INK, markersize=5, label="refused", zorder=4)

@@ -101,6 +101,22 @@ def test_files_words_points_and_grids_that_carry_no_object_are_refused(tmp_path)
         refused(grid_footprint, SQUARE, count, told="points a side of a grid footprint")
 
 
+@pytest.mark.parametrize("count", [4, 7, 16])
+@pytest.mark.parametrize("move", [(0.0, 0.0), (0.0123, -0.0041), (0.0333, 0.1)])
+def test_centres_on_a_side_carry_half_wherever_the_outline_lies(count, move):
+    """Of a right triangle as many cells as half the square's, whose hypotenuse halves n of them: with
+    all or none of these, as rounding has it, its centre of pressure and its drags are off.
+    """
+    corners = ((0.0, 0.0), (0.1, 0.0), (0.0, 0.1))
+    triangle = Polygon(tuple((x + move[0], y + move[1]) for x, y in corners))
+    footprint = grid_footprint(triangle, count)
+    loads = np.array(footprint.weights) / max(footprint.weights)
+    assert np.sum(np.isclose(loads, 1.0)) == count * (count - 1) / 2
+    assert sorted(set(loads.round(9))) == [0.5, 1.0] and loads.sum() == pytest.approx(count**2 / 2)
+    (x, y), (mean_x, mean_y) = footprint.centre, triangle.centroid
+    assert math.hypot(x - mean_x, y - mean_y) < 0.02 / count
+
+
 def patch_of(outline, name: str) -> PatchFootprint:
     """The pressure of a name; ellipses have no corners, leans are shares of the extent."""
     shares = dict(PRESSURES[name])
@@ -168,9 +184,9 @@ def test_their_friction_is_as_near_the_patchs_as_the_even_grids_and_nearer_on_fi
 
 def test_points_that_cannot_carry_a_pressure_are_refused_with_what_to_set():
     """A steep lean on a triangle, whose coarse grid has its centre far from the patch's."""
-    triangle = Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
-    steep = PatchFootprint(triangle, centre=(1.0 / 3.0 + 0.1607, 1.0 / 3.0 - 0.0802))
-    refused(pressure_points, steep, 4, told="set the footprint")
+    triangle = Polygon(((0.0, 0.0), (1.0, 0.0), (0.3, 0.9)))
+    steep = PatchFootprint(triangle, centre=(1.3 / 3.0 - 0.0317, 0.3 + 0.1106))
+    refused(pressure_points, steep, 3, told="set the footprint")
     assert pressure_points(steep, 8).centre == pytest.approx(steep.centre, abs=1e-12)
 
 

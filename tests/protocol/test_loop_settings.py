@@ -3,13 +3,14 @@ name.
 """
 
 import math
+import warnings
 
 import numpy as np
 import pytest
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import CycleMapError
+from cyclemap.errors import CycleMapError, DoubtfulInput
 from cyclemap.mechanics import (
     Ellipse,
     PatchFootprint,
@@ -21,6 +22,7 @@ from cyclemap.mechanics import (
     resting_pressure,
 )
 from cyclemap.protocol import loop_from_settings
+from cyclemap.protocol.chosen_loop import chosen_collection
 from cyclemap.protocol.settings import NOISE_KEY, SETTINGS, SHAPES
 
 MIT = CollectionLoop.mit()
@@ -128,6 +130,24 @@ def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
 def test_a_changed_material_says_so_and_an_unchanged_one_does_not():
     assert loop_from_settings({"mu_a": 0.3}).material.name == "plywood (changed)"
     assert loop_from_settings({"mu_a": 0.2545}).material.name == "plywood"
+
+
+def test_a_cycle_scatters_as_measured_on_a_friction_that_is_set_to_another():
+    """As under another ring: else a sweep would jump to the default where it meets the material's."""
+    measured = CollectionLoop.mit("plywood-measured")
+    changed = loop_from_settings({"mu_a": 0.29}, measured)
+    assert measured.material.noise is not None
+    assert changed.material.noise == measured.material.noise
+
+
+def test_what_was_found_with_a_friction_is_told_to_be_left_out_where_that_is_set_to_another():
+    with pytest.warns(DoubtfulInput, match="plywood-measured is set to another.*out, its wear$"):
+        chosen_collection("plywood-measured", settings=["mu_a=0.29"])
+    with pytest.warns(DoubtfulInput, match="left out, the samples of what is believed of it$"):
+        chosen_collection("unknown", settings=["mu_a=0.29"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        chosen_collection("plywood-measured", settings=["mu_a=0.28513", "push_mm=140"])
 
 
 BAD = [

@@ -255,6 +255,15 @@ def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(
     page.wait_for_selector("body[data-drawn='5-refused']")
     told = "Loads inside, on rim and corners come to 1.40: together they may be 1.00 at most."
     assert page.inner_text("#headline") == told
+    # What is refused is not to be copied or saved; what follows is.
+    taken = "['copy', 'save'].map((name) => document.getElementById(name).disabled)"
+    assert page.evaluate(taken) == [True, True]
+    assert "inner_share=0.7" not in page.inner_text("#command")
+    page.fill("#inner_share-number", "0.2")
+    page.press("#inner_share-number", "Enter")
+    page.wait_for_selector("body[data-drawn='6-fine']")
+    assert page.evaluate(taken) == [False, False]
+    assert "inner_share=0.2" in page.inner_text("#command")
 
 
 @pytest.mark.slow

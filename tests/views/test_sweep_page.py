@@ -1,5 +1,7 @@
 """A sweep's pages, its words, and the planes without specks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake_numbers import FakeNumbers, fake_plan, fake_sample, fake_values, swept as fake_swept
@@ -125,6 +127,21 @@ def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(swept, tmp_p
     _, rotation = panels(page_of(fake_swept(tmp_path / "one.sqlite", plan)))
     places = rotation.lines[0].get_xdata()
     assert len(places) == 32 and np.all(np.diff(places) > 0.0)
+
+
+def test_what_is_infinite_is_marked_as_without_end(swept, tmp_path) -> None:
+    """Of a plane, a line and a sample: each infinite number has its mark, no other has one."""
+    plane = swept(fake_plan())
+    sample = fake_swept(tmp_path / "sample.sqlite", fake_sample(16))
+    for sweep, keys in ((plane, 2), (plane.select(mu_a=0.2), 1), (sample, 2)):
+        locked = sweep.table["stable_points"] == 1.0
+        table = sweep.table.assign(fixed_points=np.where(locked, np.inf, 1.0))
+        axes = panels(page_of(replace(sweep, table=table), ("fixed_points",)))[-1]
+        (marks,) = [line for line in axes.lines if line.get_label() == "without end"]
+        assert 0 < locked.sum() < len(locked)
+        expected = sweep.table[["mu_a", "hitch_x_mm"][-keys:]][locked].to_numpy()
+        placed = marks.get_xydata()[:, :keys]
+        assert sorted(map(tuple, placed)) == sorted(map(tuple, expected))
 
 
 def test_what_cannot_be_drawn_is_refused(swept) -> None:

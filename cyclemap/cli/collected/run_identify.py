@@ -29,7 +29,7 @@ from cyclemap.evidence.identified_material import (
     identified_curves,
     identified_material,
 )
-from cyclemap.evidence.identified_words import implausible, readable_kind
+from cyclemap.evidence.identified_words import far_places, implausible, readable_kind
 from cyclemap.evidence.tables.columns import Selection
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
@@ -137,13 +137,16 @@ def _is_doubtful(identified: Identification, collected: CollectedBlocks, force: 
     """Whether the answer cannot be right, which is said; CycleMapError, unless `force`, where it
     is.
     """
-    doubts = implausible(identified, collected.loop.slider.outline.extent)
+    reach = collected.loop.slider.outline.extent
+    doubts = implausible(identified, reach)
     if doubts and not force:
         why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
         mend = "look at object, push, units and --angles; with --force it is written all the same"
         raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
     for words in doubts:
         click.echo(f"warning: this cannot be right: {words}", err=True)
+    for words in far_places(identified, reach):
+        click.echo(f"warning: {words}", err=True)
     return bool(doubts)
 
 

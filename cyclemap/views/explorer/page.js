@@ -64,9 +64,11 @@ function show(answer) {
   const headline = find("headline");
   state.shown = answer.id;
   headline.classList.toggle("refused", "refused" in answer);
+  // What cannot be computed is no command, nor a file, to take away.
+  for (const name of ["copy", "save"]) find(name).disabled = "refused" in answer;
   if (answer.refused) {
     headline.textContent = answer.refused;
-    find("said").textContent = "The pictures show the last settings that could be computed.";
+    find("said").textContent = "Pictures and command are of the last settings that could be computed.";
     document.body.dataset.drawn = `${answer.id}-refused`;
     return;
   }
