@@ -464,17 +464,28 @@ class ArclengthWalk(Generic[Special]):
             if not self.equations.kind:
                 self.stop()
             return bool(self.reason)
+        first = self._passed(here.at, solved.at, direction)
+        if first is not None:
+            self.reason = "closed"
+            solved = self.equations.state(first)
         self._tested(here, solved, direction)
         self.taken(here, solved, direction)
         return True
 
     def _tested(self, here: OrbitState, solved: OrbitState, direction: Array) -> None:
-        """Record what happens between two neighbouring solutions."""
+        """Record what happens between two neighbouring solutions, 0 counted as below it: what
+        happens on one of them is met once.
+        """
         length = float(self.direction @ (solved.at - here.at))
+        if length <= 0.0:
+            return
         curved = float(np.linalg.norm(direction - self.direction)) / length
-        tests = zip(self.equations.tests(here), self.equations.tests(solved), strict=True)
+        # A loop ends with the signs that it began with, and not with those of another rounding.
+        ended = self.reason == "closed" and not self.equations.kind
+        end = self.states[0] if ended else solved
+        tests = zip(self.equations.tests(here), self.equations.tests(end), strict=True)
         for index, ((kind, before, off), (_, after, far)) in enumerate(tests):
-            if before * after < 0.0 and abs(before) > off and abs(after) > far:
+            if (before > 0.0) != (after > 0.0) and abs(before) >= off and abs(after) >= far:
                 state = self._located(index, here, solved, length)
                 error = self.equations.tests(state)[index][2]
                 self.passes(kind, state, 4.0 * error * length / abs(after - before), curved)
@@ -504,18 +515,15 @@ class ArclengthWalk(Generic[Special]):
         return known[root_between(value, 0.0, length)]
 
     def taken(self, here: OrbitState, solved: OrbitState, direction: Array) -> None:
-        """Go on from ``here`` to ``solved``, or to the first solution where the step passes it, but
-        for whole turns and the choice of the first point.
-        """
-        first = self._passed(here.at, solved.at, direction)
-        if first is not None:
-            self.reason = "closed"
-            solved = self.equations.state(first)
+        """Go on from ``here`` to ``solved``."""
         self.states.append(solved)
         self.direction = direction
         self.step = min(_GROWTH * self.step, _LARGEST)
 
     def _passed(self, here: Array, there: Array, direction: Array) -> Array | None:
+        """The first solution where the step passes it, but for whole turns and the choice of the
+        first point.
+        """
         begin = self.states[0].at
         n = self.equations.hops.size
         moved = there - here

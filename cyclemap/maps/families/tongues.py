@@ -39,7 +39,8 @@ _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cu
 _MOST_CELLS = 65_536
 _AT_BREAK = 1e-6  # radians: an extremum is known to about the root of rounding
 RESOLUTION = 128
-_LONGEST = 1_000  # cycles of an edge's orbit: a minute and more
+_LONGEST = 1_000  # cycles of an edge's orbit
+_MOST_STEPS = 3_000_000  # cells of F^q times its cycles, for one parameter of fifty: a minute
 _SEARCHES = 4  # times that an edge is sought, a hump that was missed before among the marks
 _QUARTERS = np.linspace(0.0, 1.0, 5)
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -76,6 +77,11 @@ def extreme_displacement(
         at = float(breaks[best % breaks.size])
     if highest < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
+        if ratio.denominator * cells.start.size > _MOST_STEPS:
+            raise ConvergenceError(
+                f"the tongue {ratio} needs {cells.start.size:,} cells of F^{ratio.denominator}, "
+                f"above {_MOST_STEPS // ratio.denominator:,}: give a ratio with a smaller period"
+            )
         theta = cells.start[~cells.cut]
         values = np.append(highest, _height(circle_map, theta, ratio, sign))
         best = int(np.argmax(values))
@@ -369,6 +375,9 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     ------
     InvalidInput
         When an edge lies outside the range or the family is seen to fall.
+    ConvergenceError
+        When F^q needs more than 3,000,000/q cells (the sine family with K = 1: q above some 500),
+        or its orbits do not move with the parameter.
 
     Notes
     -----

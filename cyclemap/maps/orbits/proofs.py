@@ -39,9 +39,12 @@ Ball = Any
 _PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
 _START_CELLS = 32
-_MOST_CELLS = 200_000
+_MOST_STEPS = 1_000_000  # cells times their iterates: a minute
+_MOST_FOLDED = 500_000  # the same for each of the iterates that bound a folded lift's rotation
+_MOST_POINTS = 150_000  # points times their iterates: a minute
 # radians: a cell this narrow that decides nothing holds a tangency, or nearly one
 _NARROWEST = 1e-13
+_POINT = 1e-30  # radians: a ball this small counts as a point, which only rounding widens
 # where a turn may be cut: no number of mathematics
 _CUTS = 0.0131, 1.6127, 3.1923, 4.7719, 5.5512, 2.3456
 _SEAM = 1e-12  # radians on both sides of the cut that must be free of points
@@ -283,7 +286,8 @@ def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> Pro
     ``max_error`` and ``slope_error`` of it.
 
     Raises InvalidInput when the lift does not take intervals, or is no lift in exact arithmetic;
-    ConvergenceError when a tangency, or nearly one, is met, or 200,000 cells are not enough.
+    ConvergenceError when a tangency, or nearly one, is met, or it needs more than 1,000,000/n
+    cells or 150,000/n points.
     """
     with _proof(circle_map, period, slope_error) as proof:
         return proof.points()
@@ -351,18 +355,39 @@ class _Proof:
 
     def points(self) -> ProvedPoints:
         """Every crossing between cells that keep off the multiples of 2π, in order."""
+        if _START_CELLS * self.period > _MOST_STEPS:
+            raise ConvergenceError(
+                f"no proof: F^{self.period} takes {_START_CELLS} cells at least, above "
+                f"{_MOST_STEPS:,} steps: ask for a shorter period"
+            )
         lap = self.degree**self.period - 1
         cut, turns = self._cut()
-        cells = [*self._cells(cut), _Cell(cut + TWO_PI, cut + TWO_PI, 0, turns + lap)]
-        crossings = []
+        cells = self._cells(cut, _MOST_STEPS)
+        covered = cells[-1].end - cut if cells else 0.0
+        if covered < TWO_PI:
+            raise ConvergenceError(
+                f"no proof within {_MOST_STEPS // self.period:,} cells, which have come "
+                f"{covered:.3g} of {TWO_PI:.3g} radians far: F^{self.period} is too steep, or the "
+                "errors of the map are too large"
+            )
+        runs = []
         run = _Cell(cut, cut, 0, turns)
-        for cell in cells:
+        for cell in [*cells, _Cell(cut + TWO_PI, cut + TWO_PI, 0, turns + lap)]:
             if cell.sign:
                 run = _Cell(run.start if run.sign else cell.start, cell.end, cell.sign, run.turns)
                 continue
-            for level in range(min(run.turns, cell.turns) + 1, max(run.turns, cell.turns) + 1):
-                crossings.append(self._enclosed(run, level, lap))
+            low, high = sorted((run.turns, cell.turns))
+            runs.append((run, low + 1, high + 1))
             run = cell
+        count = sum(end - start for _, start, end in runs)
+        if self.period * count > _MOST_POINTS:
+            raise ConvergenceError(
+                f"no proof: F^{self.period} has {count:,} points, above "
+                f"{_MOST_POINTS // self.period:,}: ask for a shorter period"
+            )
+        crossings = []
+        for run, start, end in runs:
+            crossings += [self._enclosed(run, level, lap) for level in range(start, end)]
         crossings.sort(key=lambda item: item[0])
         rows = [
             (theta, theta.error_bound, multiplier, multiplier.error_bound)
@@ -394,10 +419,7 @@ class _Proof:
         """The whole turns below and above Fⁿ(0), by n, as long as they can be told."""
         theta = self.arb(0)
         for n in range(1, iterates + 1):
-            # By the mean value theorem: the ball grows with the slope alone.
-            middle = theta.mid()
-            slope = self._iterate(theta, 1).slope
-            theta = self._iterate(middle, 1).value + slope * (theta - middle)
+            theta = self._iterate(theta, 1).value
             turns = theta / (2 * self.arb.pi())
             if not turns.rad() < 1:
                 return
@@ -406,14 +428,18 @@ class _Proof:
             yield Fraction(_whole(lower), n), Fraction(_whole(upper), n)
 
     def all_turns(self) -> Iterator[tuple[Fraction, Fraction]]:
-        """The whole turns below and above Fⁿ - id all round, by n, where it touches none."""
+        """The whole turns below and above Fⁿ - id all round, by n, where it touches none, up to
+        the first n that is too steep.
+        """
         for n in range(1, _LONGEST_FOLDED + 1):
             iterated = replace(self, period=n)
             try:
                 cut, turns = iterated._cut()
-                cells = iterated._cells(cut)
+                cells = iterated._cells(cut, _MOST_FOLDED)
             except ConvergenceError:
                 continue
+            if not cells or cells[-1].end < cut + TWO_PI:
+                return
             # Runs of monotone cells lie between the levels of the cells beside them.
             levels = [turns, *(cell.turns for cell in cells if not cell.sign)]
             yield Fraction(min(levels), n), Fraction(max(levels) + 1, n)
@@ -427,9 +453,18 @@ class _Proof:
         return bool(below < lock.ratio.numerator < above)
 
     def _iterate(self, theta: Ball, times: int) -> Jet:
+        """The iterate and its slope on a ball, which grows by no more than the slopes there: each
+        image is also known by the mean value theorem.
+        """
         jet = Jet(theta, self.arb(1))
         for _ in range(times):
-            jet = self.lift(jet)
+            step = self.lift(Jet(jet.value, self.arb(1)))
+            image = step.value
+            middle = jet.value.mid()
+            spread = step.slope * (jet.value - middle)
+            if jet.value.rad() > _POINT and spread.rad() < image.rad():
+                image = self.lift(Jet(middle, self.arb(1))).value + spread
+            jet = Jet(image, step.slope * jet.slope)
         return jet
 
     def _displacement(self, theta: Ball) -> Jet:
@@ -460,15 +495,16 @@ class _Proof:
             "angles: a whole arc may be fixed, or the errors of the map leave nothing to prove"
         )
 
-    def _cells(self, cut: float) -> list[_Cell]:
-        """The decided cells of the turn from ``cut``, in order;
-        the last ends a little beyond it."""
+    def _cells(self, cut: float, steps: int) -> list[_Cell]:
+        """The decided cells of the turn from ``cut``, in order; the last ends a little beyond it,
+        or earlier where they need more than so many ``steps``: cells times their iterates.
+        """
         edges = np.linspace(cut, cut + TWO_PI + 0.5 * _SEAM, _START_CELLS + 1).tolist()
         waiting = list(pairwise(edges))[::-1]
         decided: list[_Cell] = []
-        for _ in range(_MOST_CELLS):
+        for _ in range(steps // self.period):
             if not waiting:
-                return decided
+                break
             start, end = waiting.pop()
             cell = self._judged(start, end)
             if cell is not None:
@@ -483,11 +519,7 @@ class _Proof:
                 )
             middle = 0.5 * (start + end)
             waiting += [(middle, end), (start, middle)]
-        covered = waiting[-1][0] - cut
-        raise ConvergenceError(
-            f"no proof within {_MOST_CELLS:,} cells, which have come {covered:.3g} of {TWO_PI:.3g} "
-            f"radians far: F^{self.period} is too steep, or the errors of the map are too large"
-        )
+        return decided
 
     def _enclosed(self, run: _Cell, level: int, lap: int) -> tuple[Estimate, int, Estimate, Ball]:
         """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball

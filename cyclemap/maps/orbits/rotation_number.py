@@ -293,7 +293,7 @@ def rotation_number(
         an exact, smooth lift as for ``periodic_points``, rounding and folds included. Of a lift
         that is proved to rise, F' > 0, they come from its orbit from 0, about 0.2 ms an iterate,
         and ``locked`` from the two angles of ``proof``; of any other from Fⁿ(θ) - θ at all θ, n ≤
-        6, and ``locked`` is None.
+        6 (fewer where those are too steep), and ``locked`` is None.
 
     Returns
     -------

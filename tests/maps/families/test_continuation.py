@@ -70,6 +70,27 @@ def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form(
     assert folds[0].holds(-K / TWO_PI) and folds[1].holds(K / TWO_PI)
 
 
+@pytest.mark.parametrize("before", [1e-3, 0.0])
+def test_a_loop_begun_on_its_fold_or_just_before_it_lists_it_once(before):
+    start = np.pi / 2 - before
+    at = 0.9 * np.sin(start) / TWO_PI
+    loop = follow_orbit(arnold(0.9), start, (-0.2, 0.2), at=at)
+    assert loop.ends == ("closed", "closed")
+    folds = sorted(found.parameter for found in loop.special)
+    assert len(folds) == 2
+    assert folds[0].holds(-0.9 / TWO_PI) and folds[1].holds(0.9 / TWO_PI)
+
+
+def test_a_branch_begun_where_its_period_doubles_lists_that_once():
+    """θ + r sin θ has the multiplier 1 - r at π: -1 to the last digit where r = 2."""
+
+    def family(r):
+        return CircleMap(lambda x: x + r * np.sin(x), lambda x: 1 + r * np.cos(x))
+
+    (flip,) = follow_orbit(family, np.pi, (1.5, 2.5), at=2.0).special
+    assert flip.kind == "period-doubling" and flip.parameter.holds(2.0)
+
+
 def test_a_branch_in_K_passes_its_saddle_node_and_its_period_doubling():
     omega = 0.1
     start = fixed_points(CircleMap.arnold(omega, 0.9))[0]

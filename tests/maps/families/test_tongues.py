@@ -229,6 +229,13 @@ def test_an_edge_says_what_meets_there_with_its_orbit(family, ratio, kinds):
             assert np.min(np.minimum(away, TWO_PI - away)) < 1e-6
 
 
+def test_a_period_whose_iterate_is_too_bent_for_it_is_refused_at_the_first_parameter():
+    """The critical sine family bends F^q most: fifty parameters would take minutes."""
+    told = r"267/701 needs 4,[0-9]{3} cells of F\^701, above 4,279"
+    near = (0.3925, 0.3926)
+    refused(tongue, arnold(1.0), (267, 701), near, told=told, kind=ConvergenceError)
+
+
 def test_what_is_no_ratio_in_lowest_terms_is_refused():
     for ratio in ((2, 4), (1, 0), (0, 2)):
         refused(tongue, arnold(0.9), ratio, WIDE, told="lowest terms")

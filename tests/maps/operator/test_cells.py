@@ -91,6 +91,31 @@ def test_densities_under_uniform_noise_are_sums_of_fourier_modes_within_their_bo
         assert abs(law.rotation_number - winding) <= law.rotation_number.error_bound + 1e-5
 
 
+def test_the_density_about_the_image_of_a_jump_is_told_within_its_bound():
+    """Most of the circle is sent to 0, and the density is flat with a jump at h; what lies between
+    0.2 and h is sent on by a gentle line: a flat density seen through the window of the noise.
+
+    A cell that holds the jump gives no mean an error, and the density one, where its image meets
+    the window's end.
+    """
+    h, stays = 0.5, 1 / 1.3
+
+    def on_line(theta):
+        angle = np.mod(theta, TWO_PI)
+        return (angle >= 0.2) & (angle < 1.2)
+
+    def lift(theta):
+        return np.where(on_line(theta), 0.1 * (np.mod(theta, TWO_PI) - 0.2) - 1.0, 0.0)
+
+    kept = CircleMap(lift, lambda theta: 0.1 * on_line(theta), [0.2, 1.2], degree=0)
+    law = transfer_operator(kept, UniformNoise(h))
+    theta = np.linspace(-1.6, 0.6, 2_001) + 1e-5
+    before, beyond = (np.clip((theta + side * h + 1.0) / 0.1, 0.0, 0.3) for side in (-1, 1))
+    density = stays * ((np.abs(theta) < h) + (beyond - before) / (2 * h)) / (2 * h)
+    off = np.max(np.abs(law.density(theta) - density))
+    assert 0.001 < off <= law.error_bound
+
+
 def test_what_the_map_may_be_off_is_in_the_bounds():
     sine = CircleMap.arnold(0.1, 0.9)
     claimed = CircleMap(sine, sine.derivative, max_error=0.01)

@@ -189,7 +189,12 @@ def written(x):
 
 @pytest.mark.parametrize(
     ("searched", "period"),
-    [(STEEP, 4), (CircleMap(written), 2), (CircleMap.blaschke([0, 0.4], 0.1), 4)],
+    [
+        (STEEP, 4),
+        (CircleMap.arnold(0.48, 0.9), 40),
+        (CircleMap(written), 2),
+        (CircleMap.blaschke([0, 0.4], 0.1), 4),
+    ],
 )
 def test_the_proof_finds_what_the_search_finds(searched, period):
     found = periodic_points(searched, period)
@@ -249,6 +254,13 @@ def test_samples_are_proved_of_every_map_within_their_errors():
     undecided(fixed_points, sampled(SINE, 0.5), slope_error=0.1, told="no proof")
     refused(fixed_points, near, proved=True, told=r"slope_error 0; .* needs bounds")
     refused(fixed_points, near, slope_error=0.1, told="give proved=True")
+
+
+def test_work_without_an_end_in_sight_is_refused_before_it_begins():
+    """2ⁿ - 1 points of the doubling map, and periods of which no cell is cheap."""
+    doubling = CircleMap(lambda x: 2 * x, degree=2)
+    undecided(periodic_points, doubling, 16, told=r"F\^16 has 65,535 points, above 9,375")
+    undecided(periodic_points, SINE, 90_000, told=r"F\^90000 takes 32 cells at least")
 
 
 @pytest.mark.parametrize(
