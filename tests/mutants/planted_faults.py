@@ -68,7 +68,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "mechanics/engine/phase.c": (
-        f"{ENGINE} tests/mechanics/test_random_cases.py",
+        f"{ENGINE} tests/mechanics/test_random_cases.py tests/mechanics/test_two_contacts.py",
         [
             ("result[Y] = s * x + c * y;", "result[Y] = s * x - c * y;"),
             ("normal[Y] - share * normal[X]", "normal[Y] + share * normal[X]"),
