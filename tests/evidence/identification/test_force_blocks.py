@@ -256,8 +256,9 @@ QUIET = RecordingNoise(0.0)
 NOISE = RecordingNoise(0.0, 1e-4, math.radians(0.1), 0.05)
 
 
-def recorded(noise=QUIET, seed=0, count=4, friction=MU):
-    loop = replace(CollectionLoop.mit("plywood", accuracy=1e-6), pusher=Pusher(friction=friction))
+def recorded(noise=QUIET, seed=0, count=4, friction=MU, accuracy=1e-6):
+    loop = CollectionLoop.mit("plywood", accuracy=accuracy)
+    loop = replace(loop, pusher=Pusher(friction=friction))
     pushes = [loop.strokes(1.5 * number, loop.push.distance / 60)[0] for number in range(count)]
     rng = np.random.default_rng(seed)
     return [record_push(push, loop.push.distance, Recording(noise=noise), rng) for push in pushes]
@@ -283,6 +284,21 @@ def test_pushes_without_noise_give_the_rods_friction_however_it_slides() -> None
     assert set(force_ratio_block(sliding).groups) == {0, 1, 2, 3}
     one = sliding_of(records[:1])
     assert force_ratio_block(one).groups.tolist() == list(range(one.ratio.size))
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.15, 0.2])
+def test_what_a_record_leaves_open_between_its_poses_is_in_the_interval(friction) -> None:
+    """Straight lines between poses that are 4 ms apart turn exact forces by 5e-8, all the same way,
+    while ratios scatter by less; under noise the interval is that of the scatter.
+    """
+    (push,) = recorded(count=1, friction=friction, accuracy=1e-9)
+    found = friction_of(sliding_of([push]))
+    assert found.lower < friction < found.upper < found.lower + 5e-7
+    block = force_ratio_block(sliding_of(recorded(NOISE, count=2)))
+    scatter = identify([replace(block, refined=())], ["pusher_friction"], starts=1)
+    widened = identify([block], ["pusher_friction"], starts=1)
+    wider = widened["pusher_friction"].standard_error / scatter["pusher_friction"].standard_error
+    assert 1.0 < wider < 1.01
 
 
 def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio() -> None:
