@@ -79,6 +79,19 @@ def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_thei
     assert found.errors[0].rows == 144 and found.errors[0].left_out_rms < 1.1 * found.errors[0].rms
 
 
+def test_intervals_of_scans_without_noise_hold_the_truth_to_rounding() -> None:
+    """Residuals are rounding then, and tell of no direction how far it may be off."""
+    rng = np.random.default_rng(5)
+    for count in range(4, 14):
+        drawn = rng.standard_normal(5) * (0.3, 0.15, 0.15, 0.05, 0.05)
+        law = SurfaceParameters(*(drawn - [1.4, 0.0, 0.0, 0.0, 0.0])).to_friction()
+        truth = SurfaceParameters.from_friction(law).values()
+        scans = made_scans(law, rng.uniform(0.0, 2.0 * np.pi, count), SCAN_WEIGHT)
+        found = identify([friction_scan_block(scans, SCAN_WEIGHT)], ELLIPSE, starts=1)
+        for row in found.estimates:
+            assert row.lower < truth[row.name] < row.upper < row.lower + 1e-6
+
+
 @pytest.mark.parametrize("ellipticity", [(0.0, 0.0), (1e-5, 2e-5), (0.12, -0.07), (-0.8, 0.6)])
 def test_the_derivatives_are_those_of_differences_also_on_a_circle(ellipticity) -> None:
     at, step = np.array([-1.3, *ellipticity, 0.06, -0.04]), 1e-4
