@@ -138,6 +138,32 @@ def test_friction_fades_with_the_square_of_the_slip_over_that_of_the_creep(fade)
     assert along[moving] == pytest.approx(faded[moving], abs=1e-5 * SQUARE.weight)
 
 
+def test_friction_in_the_ring_fades_as_that_of_floor_and_rod_does():
+    """The torques on a plate on its ring: the rod's force by its lever, the ring's friction circle,
+    the floor's at points of friction mu, and none left over, since inertia is small.
+    """
+    radius, fade, mu = 0.01, 0.1, 0.25
+    slow = model(EllipseFriction.isotropic(mu), regularisation=fade, speed=0.002, **FINE)
+    drag = slow.drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.0),), 200, pin_friction_radius=radius)
+    course, creep = drag.trajectory, fade * slow.speed
+    between = slice(20, 180)
+    theta, velocity = course.pose[between, 2], course.velocity[between]
+    omega = velocity[:, 2]
+    force, lever = course.contact_force[between], (course.contact_point - course.pose[:, :2])
+    lever = lever[between]
+    floor = 0.0
+    for place, weight in zip(slow.points.positions, slow.points.weights, strict=True):
+        spoke = np.exp(1j * theta) * complex(*(np.array(place) - SQUARE.centre_of_mass))
+        slides = velocity[:, 0] + 1j * velocity[:, 1] + 1j * omega * spoke
+        traction = mu * slides / np.sqrt(np.abs(slides) ** 2 + creep**2)
+        floor = floor - weight * SQUARE.weight * np.imag(spoke.conj() * traction)
+    ring = lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]
+    size = np.hypot(*force.T)
+    pin = -radius * size * omega / np.sqrt(omega**2 + (creep / slow.points.extent) ** 2)
+    assert np.abs(pin).min() > 1e-3 and 0.3 < np.abs(pin / (radius * size)).min() < 0.99
+    assert ring + floor + pin == pytest.approx(np.zeros(omega.size), abs=1e-3 * np.abs(pin).min())
+
+
 def test_a_rod_that_slides_off_the_corner_leaves_and_the_object_stays():
     push = model().push(Pose(), SidePush(), samples=300)
     assert push.ended == "left"
