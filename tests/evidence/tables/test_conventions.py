@@ -15,7 +15,12 @@ from cyclemap.evidence.identification.collected_blocks import collected_blocks
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.recordings import as_ours
-from cyclemap.evidence.tables.columns import Convention, as_read_name, written_convention
+from cyclemap.evidence.tables.columns import (
+    ENDS,
+    Convention,
+    as_read_name,
+    written_convention,
+)
 from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
 from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
@@ -33,6 +38,18 @@ WANTED = {
     "swapped": [Convention(frame="swapped")],
     "north east down": [Convention("compass", "swapped"), Convention("clockwise", "mirrored")],
 }
+
+
+def table_in(folder, convention="ours", noise=0.3, with_collection=False):
+    """The L's pushes under our own names in a convention: what they are, and their table."""
+    write = foreign_tables.canonical
+    table = foreign_tables.Foreign("made", write, ".csv", convention, noise, True, 3)
+    return table, table.made(folder, with_collection)
+
+
+def motions(pushes):
+    """Ends of pushes by the names of `agrees`."""
+    return {name: pushes.table[name].to_numpy() for name in ENDS}
 
 
 def read(path, **told):
@@ -62,8 +79,7 @@ def test_a_convention_undoes_what_its_writer_did(name) -> None:
 @pytest.mark.parametrize("name", [name for name in CONVENTIONS if name != "ours"])
 @pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
 def test_a_wrong_reading_is_refused_with_the_words_of_a_right_one(tmp_path, name) -> None:
-    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", name, 0.3, True, 3)
-    path = table.made(tmp_path, with_collection=False)
+    table, path = table_in(tmp_path, name)
     with pytest.raises(OtherConvention) as caught:
         check_pushes(cm.load_pushes(path), loop())
     given = str(caught.value).partition("give ")[2]
@@ -72,10 +88,7 @@ def test_a_wrong_reading_is_refused_with_the_words_of_a_right_one(tmp_path, name
         pushes = cm.load_pushes(path, angles=one.angles, frame=one.frame)
         (words,) = check_pushes(pushes, loop())
         assert one.words() in words
-        assert agrees({key: pushes.table[key].to_numpy() for key in _NAMES}, table)
-
-
-_NAMES = ("x0", "y0", "theta0", "x1", "y1", "theta1")
+        assert agrees(motions(pushes), table)
 
 
 def test_without_a_loop_pushes_that_should_be_alike_tell_the_sense_and_not_the_hand(
@@ -84,23 +97,12 @@ def test_without_a_loop_pushes_that_should_be_alike_tell_the_sense_and_not_the_h
     """Angles or axes turned, each alone, are told; both turned are a mirror image, in which all is
     as consistent.
     """
-    for name, told in (
-        ("clockwise", True),
-        ("picture counter-clockwise", True),
-        ("picture", False),
-        ("ours", False),
-    ):
-        table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", name, 0.3, True, 3)
-        pushes = cm.load_pushes(table.made(tmp_path, with_collection=False))
-        if told:
-            refused(
-                check_pushes,
-                pushes,
-                told="--angles clockwise, or --frame mirrored",
-                kind=OtherConvention,
-            )
-        else:
-            assert check_pushes(pushes)
+    told = "--angles clockwise, or --frame mirrored"
+    for name in ("clockwise", "picture counter-clockwise"):
+        pushes = cm.load_pushes(table_in(tmp_path, name)[1])
+        refused(check_pushes, pushes, told=told, kind=OtherConvention)
+    for name in ("picture", "ours"):
+        assert check_pushes(cm.load_pushes(table_in(tmp_path, name)[1]))
 
 
 def test_without_a_loop_a_collection_that_locked_in_tells_the_sense_too(tmp_path) -> None:
@@ -183,9 +185,8 @@ def test_contacts_that_are_right_tell_units_whatever_the_rods_places(tmp_path) -
     poses = _with_rod(path, **push)
     (words,) = check_pushes(cm.load_pushes(path), loop())
     assert "passed over" not in words
-    poses.assign(
-        **{name: 10.0 * poses[name] for name in poses if "x" in name or "y" in name}
-    ).to_csv(path, index=False)
+    poses.loc[:, poses.columns.str.contains("x|y")] *= 10.0
+    poses.to_csv(path, index=False)
     refused(check_pushes, cm.load_pushes(path), loop(), told="lengths in ", kind=OtherConvention)
 
 
@@ -217,14 +218,10 @@ def test_pushes_of_many_plates_anywhere_on_them_are_no_false_alarm(tmp_path) -> 
 def test_a_zero_of_angles_anywhere_is_found(tmp_path) -> None:
     """A tag stuck on askew: the object lies at 37 degrees where it reads zero."""
     askew = math.radians(37.0)
-    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 0.0, True, 3)
-    text = table.made(tmp_path, with_collection=False).read_text().splitlines()
-    rows = [[float(field) for field in line.split(",")] for line in text[1:]]
-    lines = [text[0]] + [
-        ",".join(map(str, [*r[:2], r[2] - askew, *r[3:5], r[5] - askew, r[6]])) for r in rows
-    ]
-    path = tmp_path / "askew.csv"
-    path.write_text("\n".join(lines) + "\n")
+    path = table_in(tmp_path, noise=0.0)[1]
+    table = pandas.read_csv(path)
+    table[["th0", "th1"]] -= askew
+    table.to_csv(path, index=False)
     with pytest.raises(OtherConvention, match="--offset-deg") as caught:
         check_pushes(cm.load_pushes(path), loop())
     offset = float(str(caught.value).partition("give --offset-deg ")[2].split()[0])
@@ -235,8 +232,7 @@ def test_a_zero_of_angles_anywhere_is_found(tmp_path) -> None:
 
 def test_places_of_a_corner_and_lengths_in_pixels_are_told_as_what_they_are(tmp_path) -> None:
     """Neither is taken for another zero of angles, which would fit them better than nothing."""
-    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 0.3, True, 3)
-    frame = pandas.read_csv(table.made(tmp_path, with_collection=False))
+    frame = pandas.read_csv(table_in(tmp_path)[1])
     corner, path = complex(*foreign_tables.VERTICES[0]), tmp_path / "other.csv"
     at_corner, pixels = frame.copy(), frame.copy()
     for end in ("0", "1"):
@@ -254,8 +250,7 @@ def test_places_of_a_corner_and_lengths_in_pixels_are_told_as_what_they_are(tmp_
 
 @pytest.mark.filterwarnings("ignore:pushes end")
 def test_sides_without_a_place_on_them_are_doubted(tmp_path) -> None:
-    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 0.3, True, 3)
-    path = table.made(tmp_path, with_collection=False)
+    path = table_in(tmp_path)[1]
     frame = pandas.read_csv(path)
     frame.assign(side=np.arange(len(frame)) % 2 + 4).to_csv(path, index=False)
     with pytest.warns(cm.errors.DoubtfulInput, match="no column tells where on them: add fraction"):
@@ -263,14 +258,11 @@ def test_sides_without_a_place_on_them_are_doubted(tmp_path) -> None:
 
 
 def test_a_collection_file_says_it_for_all_data_beside_it(tmp_path) -> None:
-    table = foreign_tables.Foreign(
-        "made", foreign_tables.canonical, ".csv", "picture", 0.0, True, 3
-    )
-    path = table.made(tmp_path)
+    table, path = table_in(tmp_path, "picture", 0.0, with_collection=True)
     file = tmp_path / "collection.toml"
     file.write_text(f'{file.read_text()}\n[data]\nangles = "clockwise"\nframe = "mirrored"\n')
     pushes = cm.load_pushes(path)
-    assert agrees({key: pushes.table[key].to_numpy() for key in _NAMES}, table)
+    assert agrees(motions(pushes), table)
     assert check_pushes(pushes, cm.protocol.loop_from_file(file))
     file.write_text(file.read_text().replace("mirrored", "mirorred"))
     refused(cm.load_pushes, path, told="did you mean 'mirrored'")
@@ -347,14 +339,13 @@ def test_thirty_foreign_tables_are_read_right_or_refused_with_what_mends_them(
         else:
             break
     assert (table.convention != "ours") == bool(set(told) - {"units"})
-    assert agrees({key: pushes.table[key].to_numpy() for key in _NAMES}, table)
+    assert agrees(motions(pushes), table)
 
 
 def test_another_loop_than_the_tables_is_not_taken_for_another_convention(tmp_path) -> None:
     """Half as large an object misses everywhere: no reading beats another,
     and nothing is refused."""
-    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 1.0, True, 3)
-    pushes = cm.load_pushes(table.made(tmp_path, with_collection=False))
+    pushes = cm.load_pushes(table_in(tmp_path, noise=1.0)[1])
     assert isinstance(pushes, PushTable)
     assert check_pushes(pushes, cm.CollectionLoop.mit("plywood"))
 
