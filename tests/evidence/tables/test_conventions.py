@@ -32,7 +32,6 @@ pandas = pytest.importorskip("pandas")
 
 # The reading that each writer's convention wants; of some there are two, which turn the world.
 WANTED = {
-    "ours": [Convention()],
     "clockwise": [Convention("clockwise")],
     "compass": [Convention("compass")],
     "picture": [Convention("clockwise", "mirrored")],
@@ -67,20 +66,6 @@ def read(path, **told):
         target.write_text(read_own_table(path, columns, units, **told).csv_text())
         return cm.load_pushes(target)
     return cm.load_pushes(path, **told)
-
-
-@pytest.mark.parametrize("name", CONVENTIONS)
-def test_a_convention_undoes_what_its_writer_did(name) -> None:
-    """Poses come back as they were, but for a turn of the world that nobody sees."""
-    poses = truth(0).start
-    written = CONVENTIONS[name](poses)
-    for convention in WANTED[name]:
-        x, y = convention.place(*written[:, :2].T)
-        theta = convention.theta(written[:, 2])
-        turned = theta - poses[:, 2]
-        assert np.ptp(turned) < 1e-12
-        place = (x + 1j * y) * np.exp(-1j * turned[0])
-        assert place == pytest.approx(poses[:, 0] + 1j * poses[:, 1])
 
 
 @pytest.mark.parametrize("name", [name for name in CONVENTIONS if name != "ours"])
