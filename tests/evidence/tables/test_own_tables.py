@@ -201,8 +201,7 @@ def bag(path, kind, topics=("/box", "/tip"), message=STAMPED, far=0.0):
             stamp = time(int(seconds), int(seconds % 1 * 1e9))
             told = (0.0, 0.0)
             if message == STAMPED:
-                half = math.radians(math.degrees(angle)) / 2.0
-                about = turn(0.0, 0.0, math.sin(half), math.cos(half))
+                about = turn(0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle))
                 told = (pose(point(far + x, y, 0.0), about),)
             content = kinds[message](head(stamp=stamp, frame_id="world", **count), *told)
             for one in joined:
@@ -210,15 +209,11 @@ def bag(path, kind, topics=("/box", "/tip"), message=STAMPED, far=0.0):
 
 
 def has_the_pushes_of_the_stream(columns, far=0.0):
-    """To what the rests' mean poses are off."""
-    moved = np.array([0.4 + 0.06, 0.1 + 0.05]) - 0.015 * np.stack(
-        [np.cos(THETA[:12] + 1.0), np.sin(THETA[:12] + 1.0)], axis=-1
-    )
-    places = np.stack([columns["x1"] - far, columns["y1"]], axis=-1)
-    turned = np.exp(1j * columns["theta0"])
-    return np.allclose(turned, np.exp(1j * THETA[:12]), atol=4e-3) and np.allclose(
-        places, moved, atol=5e-4
-    )
+    """As exactly as mean poses of rests tell them."""
+    turned, places = np.exp(1j * columns["theta0"]), columns["x1"] - far + 1j * columns["y1"]
+    pushed = (0.46 + 0.15j) - 0.015 * np.exp(1j * (THETA[:12] + 1.0))
+    is_turned = np.allclose(turned, np.exp(1j * THETA[:12]), atol=4e-3)
+    return is_turned and np.allclose(places, pushed, atol=5e-4)
 
 
 @pytest.mark.parametrize("kind", ["ros1", "sqlite", "mcap"])
