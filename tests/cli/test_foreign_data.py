@@ -137,6 +137,36 @@ def test_a_reading_told_on_the_command_line_or_beside_the_data_is_the_same(
     said(f"{line} --angles widdershins", 2)
 
 
+@pytest.mark.parametrize(
+    ("told", "known_as", "y", "turn"),
+    [
+        ("", "clockwise_mirrored", -0.2, -0.3),
+        ("--angles counter-clockwise", "counter-clockwise_mirrored", -0.2, 0.3),
+        ("--frame right-handed", "clockwise_right-handed", 0.2, -0.3),
+    ],
+)
+def test_what_is_told_goes_before_what_the_folder_says_and_names_the_table_as_read(
+    here, said, told, known_as, y, turn
+) -> None:
+    rows = "".join(f"0.1,0.2,{n},0.1,0.2,{n + 0.3}\n" for n in range(4))
+    (here / "log.csv").write_text(f"x,y,yaw,x2,y2,yaw2\n{rows}")
+    (here / "collection.toml").write_text('[data]\nangles = "clockwise"\nframe = "mirrored"\n')
+    columns = "x0=x,y0=y,theta0=yaw,x1=x2,y1=y2,theta1=yaw2"
+    shown = said(f"audit log.csv --columns {columns} --units rad,m {told}", 2)
+    assert "4 pushes of one set; an audit needs 10" in shown.err
+    (table,) = (here / "out").glob("*.csv")
+    assert table.name == f"log_{known_as}_as_read.csv"
+    read = np.genfromtxt(table, delimiter=",", names=True)
+    assert read["theta1"] - read["theta0"] == pytest.approx(turn)
+    assert read["y0"] == pytest.approx(y)
+
+
+def test_what_the_folder_says_of_data_must_be_a_table(here, refused) -> None:
+    (here / "log.csv").write_text("yaw\n0.1\n")
+    (here / "collection.toml").write_text("data = 3\n")
+    refused("audit log.csv --units rad", "data must be a table, [data], not 3")
+
+
 @pytest.mark.slow
 def test_no_material_is_written_of_data_that_nothing_explains_but_by_force(here, said) -> None:
     """Ends of pushes at random: refused, the errors named; with --force written, and without a next

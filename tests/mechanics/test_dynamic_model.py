@@ -109,6 +109,61 @@ def test_the_contact_never_pulls_and_keeps_within_the_cone():
     assert (ratio > 0.1499).sum() > 50 and (ratio < 0.14).sum() > 50
 
 
+@pytest.mark.parametrize("fade", [0.1, 0.03])
+def test_friction_fades_with_the_square_of_the_slip_over_that_of_the_creep(fade):
+    """In shares of the rod's speed: of a floor that is crossed along an axis of its ellipse, at
+    slip 1, mu_b / sqrt(1 + fade^2 mu_a / mu_b) is left; of the rod's friction mu, at slip u,
+    mu u / sqrt(u^2 + fade^2).
+    """
+    straight = SidePush(fraction=0.5, distance=0.02)
+    ellipse = EllipseFriction(0.3, 0.2)
+    crossed = model(ellipse, regularisation=fade, **FINE).push(Pose(), straight, samples=40)
+    left = 0.2 / math.sqrt(1.0 + 1.5 * fade**2)
+    force = np.hypot(*crossed.trajectory.contact_force[30:41].T)
+    assert force == pytest.approx(SQUARE.weight * left, rel=1e-6)
+
+    course = model(regularisation=fade, **FINE).push(Pose(), SidePush(), samples=200).trajectory
+    rod, touched = course.pusher[1:], course.contact_point[1:]
+    force, velocity = course.contact_force[1:], course.velocity[1:]
+    outward = (rod - touched) / np.hypot(*(rod - touched).T)[:, None]
+    tangent = np.column_stack([-outward[:, 1], outward[:, 0]])
+    lever = touched - course.pose[1:, :2]
+    turning = velocity[:, 2:] * np.column_stack([-lever[:, 1], lever[:, 0]])
+    slip = np.sum(((0.0, -0.02) - velocity[:, :2] - turning) * tangent, axis=1) / 0.02
+    normal = -np.sum(force * outward, axis=1)
+    moving = (normal > 0.01 * SQUARE.weight) & (course.time[1:] < 0.99 * course.time[-2])
+    assert np.ptp(slip[moving]) > 0.3 and np.sum(moving) > 100
+    faded = 0.15 * normal * slip / np.sqrt(slip**2 + fade**2)
+    along = np.sum(force * tangent, axis=1)
+    assert along[moving] == pytest.approx(faded[moving], abs=1e-5 * SQUARE.weight)
+
+
+def test_friction_in_the_ring_fades_as_that_of_floor_and_rod_does():
+    """The torques on a plate on its ring: the rod's force by its lever, the ring's friction circle,
+    the floor's at points of friction mu, and none left over, since inertia is small.
+    """
+    radius, fade, mu = 0.01, 0.1, 0.25
+    slow = model(EllipseFriction.isotropic(mu), regularisation=fade, speed=0.002, **FINE)
+    drag = slow.drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.0),), 200, pin_friction_radius=radius)
+    course, creep = drag.trajectory, fade * slow.speed
+    between = slice(20, 180)
+    theta, velocity = course.pose[between, 2], course.velocity[between]
+    omega = velocity[:, 2]
+    force, lever = course.contact_force[between], (course.contact_point - course.pose[:, :2])
+    lever = lever[between]
+    floor = 0.0
+    for place, weight in zip(slow.points.positions, slow.points.weights, strict=True):
+        spoke = np.exp(1j * theta) * complex(*(np.array(place) - SQUARE.centre_of_mass))
+        slides = velocity[:, 0] + 1j * velocity[:, 1] + 1j * omega * spoke
+        traction = mu * slides / np.sqrt(np.abs(slides) ** 2 + creep**2)
+        floor = floor - weight * SQUARE.weight * np.imag(spoke.conj() * traction)
+    ring = lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]
+    size = np.hypot(*force.T)
+    pin = -radius * size * omega / np.sqrt(omega**2 + (creep / slow.points.extent) ** 2)
+    assert np.abs(pin).min() > 1e-3 and 0.3 < np.abs(pin / (radius * size)).min() < 0.99
+    assert ring + floor + pin == pytest.approx(np.zeros(omega.size), abs=1e-3 * np.abs(pin).min())
+
+
 def test_a_rod_that_slides_off_the_corner_leaves_and_the_object_stays():
     push = model().push(Pose(), SidePush(), samples=300)
     assert push.ended == "left"

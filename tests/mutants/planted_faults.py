@@ -618,7 +618,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "critical = 1.96 + 2.9694 * share + 0.416 * share**2 - 0.5324 * share**3",
                 "critical = 1.96",
             ),
-            ("share = min(1.0, 1.3 / np.sqrt(count))", "share = 0.0"),
+            ("share = (window_lags(count) + 1.0) / count", "share = min(1.0, 1.3 / count**0.5)"),
         ],
     ),
     "evidence/identification/least_squares.py": (

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -57,6 +57,9 @@ RATIO_KIND = "force ratio (1)"
 # do not tell.
 SLIDING = 0.1
 STICKING = 0.03
+# Straight lines between poses so many times as rare are off by the square of that: noise hides the
+# error of the lines between all poses, but not that.
+_RARITY = 16
 
 
 def scan_columns(scans: Scans) -> Array:
@@ -394,6 +397,8 @@ class SlidingForces:
     ratio : ndarray, shape (m,)
         Sum of tangential over sum of normal force, positive where friction goes with the rod's
         slip over the object.
+    closer : ndarray, shape (m,)
+        The same as if poses were recorded at all times, by extrapolation.
     push : ndarray of int, shape (m,)
         Number of the push.
     samples : int
@@ -403,6 +408,7 @@ class SlidingForces:
     """
 
     ratio: Array
+    closer: Array
     push: Labels
     samples: int
     sticking: int
@@ -415,10 +421,12 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     Whether the rod slides is read off the motion, not off the forces, so that the noise of the
     forces does not bias the answer: while it slides the ratio is the friction coefficient
     (Coulomb's law; Ma & Rodriguez 2018, Fig. 10 left), while it sticks it is less. Pieces of one
-    push share their errors; those of one push alone are a group each. Raises InvalidInput where
+    push share their errors; those of one push alone are a group each. By how much ratios are off
+    since poses are known at some times only is told by the closer ones. Raises InvalidInput where
     nothing slides.
 
-    >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), 3, 0)
+    >>> ratio = np.array([0.14, 0.15, 0.16])
+    >>> sliding = SlidingForces(ratio, ratio, np.array([0, 0, 1]), 3, 0)
     >>> force_ratio_block(sliding).residuals({"pusher_friction": 0.15})[0].round(9).tolist()
     [0.01, 0.0, -0.01]
     """
@@ -428,8 +436,11 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     single = len(np.unique(sliding.push)) == 1
     groups = np.arange(count) if single else sliding.push
     ones = np.ones((count, 1))
-    parameters = ("pusher_friction",)
-    return linear_block("force ratios", parameters, ones, sliding.ratio, groups, RATIO_KIND)
+    block, closer = (
+        linear_block("force ratios", ("pusher_friction",), ones, ratio, groups, RATIO_KIND)
+        for ratio in (sliding.ratio, sliding.closer)
+    )
+    return replace(block, refined=(closer.function,))
 
 
 def sliding_forces(
@@ -445,18 +456,33 @@ def sliding_forces(
     sticking = 0
     for index, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
+        rarity = min(samples.window, _RARITY)
+        rare = contact_samples(_with_rare_poses(record, rarity), outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
             for first, end in stretches(slides):
                 for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
-                    force = np.sum(samples.force[piece])
-                    rows.append((sign * force.imag / force.real, index, samples.window))
+                    forces = [np.sum(each.force[piece]) for each in (samples, rare)]
+                    ratio, coarse = (sign * force.imag / force.real for force in forces)
+                    closer = ratio + (ratio - coarse) / (rarity**2 - 1.0)
+                    rows.append((ratio, closer, index, samples.window))
         sticking += int(
             np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window))
         )
-    ratios, numbers, lengths = np.array(rows, dtype=float).reshape(-1, 3).T
-    return SlidingForces(ratios, numbers.astype(np.int64), int(np.sum(lengths)), sticking)
+    ratios, closer_ratios, numbers, lengths = np.array(rows, dtype=float).reshape(-1, 4).T
+    return SlidingForces(
+        ratios, closer_ratios, numbers.astype(np.int64), int(np.sum(lengths)), sticking
+    )
+
+
+def _with_rare_poses(record: PushRecord, rarity: int) -> PushRecord:
+    """A push with its first, its last and every so many of its poses only."""
+    object_pose, tip_pose = (
+        pose[np.r_[: len(pose) - 1 : rarity, len(pose) - 1]]
+        for pose in (record.object_pose, record.tip_pose)
+    )
+    return PushRecord(object_pose, tip_pose, record.ft_wrench)
 
 
 def _steady(state: Mask, window: int) -> Mask:

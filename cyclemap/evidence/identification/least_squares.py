@@ -118,6 +118,8 @@ class Fit:
         In the data's units.
     known : ndarray of bool, shape (kinds,)
         Which of it was given.
+    least : ndarray of bool, shape (kinds,)
+        Which of it is the least that can be told of residuals, since these are less.
     deviance : float
         -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows.
     residuals : ndarray, shape (n,)
@@ -135,6 +137,7 @@ class Fit:
     vector: Array
     noise: Array
     known: Mask
+    least: Mask
     deviance: float
     residuals: Array
     jacobian: Array
@@ -173,10 +176,10 @@ class Search:
             positive_number(f"noise of {kind!r}", size)
         self.problem = problem
         self.law = law
-        # What is given of the noise (kinds,), nan elsewhere, and its least size, empty until the
+        # What is given of the noise (kinds,), nan elsewhere, and its least size, zero until the
         # first start tells it.
         self.held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
-        self.floor = np.zeros(0)
+        self.floor = np.zeros(len(problem.kind_names))
         self.count = 0
         self.progress: Progress = unheard
         self._evaluate = lru_cache(_KEPT)(self._evaluated)
@@ -193,7 +196,7 @@ class Search:
         vector = self.inside(start)
         held = self.held
         first = self.problem.size_by_kind(self.at(vector)[0])
-        if not self.floor.size:
+        if not self.floor.any():
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
         counts = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
@@ -279,6 +282,7 @@ class Search:
             read_only(vector),
             read_only(noise),
             ~np.isnan(self.held),
+            np.isnan(self.held) & (noise <= self.floor),
             float(np.sum(self.law.loss((residuals / size) ** 2)[0]) + 2.0 * np.sum(np.log(size))),
             read_only(residuals),
             read_only(jacobian),
@@ -445,6 +449,9 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw = NORMAL) -> Unce
         sandwich, of_groups = _grouped_variance(
             jacobian[~belief], errors, inverse, problem.groups[~belief]
         )
+        # Residuals below the least noise tell of no group how far it may be off.
+        unseen = jacobian[fit.least[kinds] & ~belief] @ inverse
+        sandwich += unseen.T @ unseen
         believed = jacobian[belief] @ inverse
         covariance = sandwich + by_weights + believed.T @ believed
         # Each adds its variance's square over its freedom (Satterthwaite 1946); a belief of known

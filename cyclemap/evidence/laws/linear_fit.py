@@ -4,6 +4,7 @@ order.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,11 +65,16 @@ def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> Line
         # The covariances of the moments over lags, with Bartlett's weights: never negative.
         moments = design * fit.residuals[:, np.newaxis]
         count, unknowns = design.shape
-        lags = min(count - 1, int(np.ceil(1.3 * np.sqrt(count))))
+        lags = window_lags(count)
         window = 1.0 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1.0)
         total = moments.T @ convolve1d(moments, window, axis=0, mode="constant")
         covariance = inverse @ total @ inverse * (count / (count - unknowns))
     return replace(fit, covariance=covariance)
+
+
+def window_lags(count: int) -> int:
+    """Over how many lags so many values are taken to be correlated (Lazarus et al. 2018)."""
+    return min(count - 1, math.ceil(1.3 * math.sqrt(count)))
 
 
 def weighted_fit(design: Array, value: Array, weight: Array) -> LinearFit:

@@ -175,15 +175,29 @@ def test_what_the_pushes_of_a_set_have_in_common_counts_once_a_set() -> None:
     assert together == pytest.approx(np.std(off), rel=0.1) and beside < 0.8 * together
 
 
-def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_correlated_the_values() -> None:
-    """The error's own uncertainty counts: with 1.96 errors it would be one case in eight."""
-    for count, rho in ((20, 0.0), (40, 0.4)):
-        values = np.random.default_rng(count).standard_normal((count + 50, 600))
-        for place in range(1, len(values)):
-            values[place] = rho * values[place - 1] + np.sqrt(1 - rho**2) * values[place]
-        rows = values[50:].T
-        kept = sum(within_error(float(row.mean()), mean_error(row), count) for row in rows)
-        assert 0.03 < 1.0 - kept / 600 < 0.085
+@pytest.mark.parametrize(
+    ("count", "rho", "most"),
+    [
+        (3, 0.0, 0.06),
+        (4, 0.0, 0.06),
+        (5, 0.0, 0.065),
+        (10, 0.0, 0.06),
+        (20, 0.0, 0.06),
+        (40, 0.4, 0.085),
+    ],
+)
+def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_of_few_values_too(
+    count, rho, most
+) -> None:
+    """The error's own uncertainty counts: with 1.96 errors it would be one case in eight of 20, one
+    in three of three.
+    """
+    values = np.random.default_rng(count).standard_normal((count + 50, 2000))
+    for place in range(1, len(values)):
+        values[place] = rho * values[place - 1] + np.sqrt(1 - rho**2) * values[place]
+    rows = values[50:].T
+    kept = sum(within_error(float(row.mean()), mean_error(row), count) for row in rows)
+    assert 0.035 < 1.0 - kept / 2000 < most
 
 
 def test_data_that_leave_nothing_are_refused(loop, written) -> None:

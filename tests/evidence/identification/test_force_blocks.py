@@ -79,6 +79,19 @@ def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_thei
     assert found.errors[0].rows == 144 and found.errors[0].left_out_rms < 1.1 * found.errors[0].rms
 
 
+def test_intervals_of_scans_without_noise_hold_the_truth_to_rounding() -> None:
+    """Residuals are rounding then, and tell of no direction how far it may be off."""
+    rng = np.random.default_rng(5)
+    for count in range(4, 14):
+        drawn = rng.standard_normal(5) * (0.3, 0.15, 0.15, 0.05, 0.05)
+        law = SurfaceParameters(*(drawn - [1.4, 0.0, 0.0, 0.0, 0.0])).to_friction()
+        truth = SurfaceParameters.from_friction(law).values()
+        scans = made_scans(law, rng.uniform(0.0, 2.0 * np.pi, count), SCAN_WEIGHT)
+        found = identify([friction_scan_block(scans, SCAN_WEIGHT)], ELLIPSE, starts=1)
+        for row in found.estimates:
+            assert row.lower < truth[row.name] < row.upper < row.lower + 1e-6
+
+
 @pytest.mark.parametrize("ellipticity", [(0.0, 0.0), (1e-5, 2e-5), (0.12, -0.07), (-0.8, 0.6)])
 def test_the_derivatives_are_those_of_differences_also_on_a_circle(ellipticity) -> None:
     at, step = np.array([-1.3, *ellipticity, 0.06, -0.04]), 1e-4
@@ -256,8 +269,9 @@ QUIET = RecordingNoise(0.0)
 NOISE = RecordingNoise(0.0, 1e-4, math.radians(0.1), 0.05)
 
 
-def recorded(noise=QUIET, seed=0, count=4, friction=MU):
-    loop = replace(CollectionLoop.mit("plywood", accuracy=1e-6), pusher=Pusher(friction=friction))
+def recorded(noise=QUIET, seed=0, count=4, friction=MU, accuracy=1e-6):
+    loop = CollectionLoop.mit("plywood", accuracy=accuracy)
+    loop = replace(loop, pusher=Pusher(friction=friction))
     pushes = [loop.strokes(1.5 * number, loop.push.distance / 60)[0] for number in range(count)]
     rng = np.random.default_rng(seed)
     return [record_push(push, loop.push.distance, Recording(noise=noise), rng) for push in pushes]
@@ -283,6 +297,21 @@ def test_pushes_without_noise_give_the_rods_friction_however_it_slides() -> None
     assert set(force_ratio_block(sliding).groups) == {0, 1, 2, 3}
     one = sliding_of(records[:1])
     assert force_ratio_block(one).groups.tolist() == list(range(one.ratio.size))
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.15, 0.2])
+def test_what_a_record_leaves_open_between_its_poses_is_in_the_interval(friction) -> None:
+    """Straight lines between poses that are 4 ms apart turn exact forces by 5e-8, all the same way,
+    while ratios scatter by less; under noise the interval is that of the scatter.
+    """
+    (push,) = recorded(count=1, friction=friction, accuracy=1e-9)
+    found = friction_of(sliding_of([push]))
+    assert found.lower < friction < found.upper < found.lower + 5e-7
+    block = force_ratio_block(sliding_of(recorded(NOISE, count=2)))
+    scatter = identify([replace(block, refined=())], ["pusher_friction"], starts=1)
+    widened = identify([block], ["pusher_friction"], starts=1)
+    wider = widened["pusher_friction"].standard_error / scatter["pusher_friction"].standard_error
+    assert 1.0 < wider < 1.01
 
 
 def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio() -> None:

@@ -53,9 +53,8 @@ def test_rows_of_other_objects_and_of_missed_pushes_are_left_out(tmp_path: Path)
 
 def test_drags_are_read_with_a_group_each(tmp_path: Path) -> None:
     header = "surface,x1,y1,th1,x0n,y0n,th0n"
-    table = read_csv_table(
-        written(tmp_path, "abs,0.3,0,-3.1,0.35,0,3.1", "abs,0.3,0,1.0,0.35,0,1.2", header=header)
-    )
+    rows = ("abs,0.3,0,-3.1,0.35,0,3.1", "abs,0.3,0,1.0,0.35,0,1.2")
+    table = read_csv_table(written(tmp_path, *rows, header=header))
     drags = measured_drags(known_columns(table, DRAG_ENDS))
     assert [drag.contact for drag in drags] == [0, 1]
     assert drags[0].end.theta == pytest.approx(3.1 - 2.0 * math.pi)
@@ -63,10 +62,8 @@ def test_drags_are_read_with_a_group_each(tmp_path: Path) -> None:
 
 def test_what_cannot_be_read_is_named_with_its_line(tmp_path: Path) -> None:
     refused(pushes_in, written(tmp_path, "1,2", header="x0,y0"), told="tip_x0", kind=DataFileError)
-    still = "abs,rect1,0,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.1,0,0.2"
-    refused(
-        pushes_in, written(tmp_path, ROWS[2], still), told=r"line 3.*rod stays", kind=DataFileError
-    )
+    still = written(tmp_path, ROWS[2], "abs,rect1,0,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.1,0,0.2")
+    refused(pushes_in, still, told=r"line 3.*rod stays", kind=DataFileError)
     refused(MeasuredPush, Pose(), Pose(), (0.1, 0.0), (0.1, 0.0), told="moves nothing")
 
 

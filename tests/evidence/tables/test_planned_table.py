@@ -4,6 +4,7 @@ Excel.
 
 import io
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,26 +39,37 @@ STATES = [
 ]
 
 
-def filled(folder: Path, by: str = "corners", states: str = "012", excel: bool = False) -> Path:
-    """The table of PUSHES with STATES filled in, to a hundredth of a millimetre."""
+def told(pose: Pose, state: str, by: str) -> dict[str, float]:
+    """What the table says of a pose, to a hundredth of a millimetre."""
+    values = [1e3 * pose.x, 1e3 * pose.y, math.degrees(pose.theta) % 360.0]
+    names = pose_columns(state)
+    if by == "corners":
+        values = [1e3 * part for mark in marks_of(PLATE) for part in pose.to_world(*mark)]
+        names = mark_columns(state)
+    return dict(zip(names, np.round(values, 3).tolist(), strict=True))
+
+
+def filled(folder: Path, by: str = "corners", excel: bool = False) -> Path:
+    """The table of PUSHES with STATES filled in."""
     header, rows = empty_table(LOOP, list[SetPush](PUSHES), READ, by)
     frame = pd.DataFrame(rows, columns=header)
     for number, poses in enumerate(STATES):
         for state, pose in zip("012", poses, strict=True):
-            if state not in states:
-                continue
-            if by == "corners":
-                told = [1e3 * part for mark in marks_of(PLATE) for part in pose.to_world(*mark)]
-                names = mark_columns(state)
-            else:
-                told, names = (
-                    [1e3 * pose.x, 1e3 * pose.y, math.degrees(pose.theta) % 360.0],
-                    pose_columns(state),
-                )
-            for name, value in zip(names, told, strict=True):
-                frame.loc[number, name] = round(value, 3)
+            for name, value in told(pose, state, by).items():
+                frame.loc[number, name] = value
     path = folder / f"plan.{'xlsx' if excel else 'csv'}"
     path.write_bytes(table_bytes(header, frame.to_numpy(dtype=object).tolist(), excel))
+    return path
+
+
+def altered(
+    folder: Path, cells: Mapping[str, object], row: object = 1, by: str = "corners"
+) -> Path:
+    """The same with other values in columns of one row, from 0, or of all."""
+    path = filled(folder, by)
+    frame = pd.read_csv(path)
+    frame.loc[row, [*cells]] = [*cells.values()]
+    frame.to_csv(path, index=False)
     return path
 
 
@@ -72,37 +84,27 @@ def test_poses_and_rods_come_back_whichever_way_they_were_measured(
 ) -> None:
     if excel:
         pytest.importorskip("openpyxl")
-    table = as_read(filled(tmp_path, by, excel=excel))
-    assert (
-        len(table) == len(PUSHES)
-        and (table["error_mm"] == 2.0).all()
-        and (table["frames_agree"] == 1).all()
-    )
+    table = as_read(filled(tmp_path, by, excel))
+    assert len(table) == len(PUSHES) and (table["error_mm"] == 2.0).all()
+    assert (table["frames_agree"] == 1).all()
+    states = (("x0", "y0", "theta0"), ("x1", "y1", "theta1"), ("x0n", "y0n", "theta_next"))
     for row, poses, planned in zip(table.to_dict("records"), STATES, PUSHES, strict=True):
-        for names, pose in zip(
-            (("x0", "y0", "theta0"), ("x1", "y1", "theta1"), ("x0n", "y0n", "theta_next")),
-            poses,
-            strict=True,
-        ):
+        for names, pose in zip(states, poses, strict=True):
             x, y, theta = (row[name] for name in names)
             assert (x, y) == pytest.approx((pose.x, pose.y), abs=5e-6)
             assert math.remainder(theta - pose.theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-4)
+        rod = [row[name] for name in ("tip_x0", "tip_y0", "tip_x1", "tip_y1")]
         first, last = planned.rod(PLATE, LOOP.pusher.radius)
-        assert [row[name] for name in ("tip_x0", "tip_y0", "tip_x1", "tip_y1")] == pytest.approx(
-            [*first, *last], abs=2e-5
-        )
+        assert rod == pytest.approx([*first, *last], abs=2e-5)
+
+
+NOT_PUSHED = dict.fromkeys(mark_columns("1"), math.nan)
 
 
 def test_rows_may_stay_empty_and_drags_may_be_left_out(tmp_path: Path) -> None:
-    path = filled(tmp_path, states="01")
-    frame = pd.read_csv(path)
-    frame.loc[1, list(mark_columns("1"))] = math.nan
-    frame.to_csv(path, index=False)
-    table = as_read(path)
-    assert len(table) == len(PUSHES) - 1 and "x0n" not in table.columns
-    frame.loc[:, list(mark_columns("1"))] = math.nan
-    frame.to_csv(path, index=False)
-    refused(filled_text, path, told="no push is filled in", kind=DataFileError)
+    assert len(as_read(altered(tmp_path, NOT_PUSHED))) == len(PUSHES) - 1
+    undragged = altered(tmp_path, dict.fromkeys(mark_columns("2"), math.nan), slice(None))
+    assert "x0n" not in as_read(undragged).columns
 
 
 def test_commas_of_a_spreadsheet_are_read(tmp_path: Path) -> None:
@@ -112,44 +114,50 @@ def test_commas_of_a_spreadsheet_are_read(tmp_path: Path) -> None:
     assert np.allclose(as_read(path).drop(columns="object"), before.drop(columns="object"))
 
 
-def test_what_was_misread_is_refused_with_push_and_state(tmp_path: Path) -> None:
-    path = filled(tmp_path)
-    frame = pd.read_csv(path)
-    frame.loc[2, ["a_x1_mm", "a_y1_mm"]] = frame.loc[2, ["b_x1_mm", "b_y1_mm"]].to_numpy()
-    frame.to_csv(path, index=False)
-    refused(
-        filled_text,
-        path,
-        told="push 3: after the push marks a and b are .* mm apart",
-        kind=DataFileError,
-    )
-    frame.loc[2, "a_x1_mm"] = math.nan
-    frame.to_csv(path, index=False)
-    refused(
-        filled_text, path, told="push 3: after the push a_x1_mm is no number", kind=DataFileError
-    )
-    frame.drop(columns="way_x").to_csv(path, index=False)
-    assert file_kind(path) is not FileKind.PLANNED
-
-
-def test_a_pose_and_marks_that_contradict_each_other_are_refused_and_else_agree(
-    tmp_path: Path,
-) -> None:
-    path = filled(tmp_path)
-    frame = pd.read_csv(path)
+def test_a_pose_beside_marks_that_agree_with_it_is_taken(tmp_path: Path) -> None:
     end = STATES[3][1]
-    frame.loc[3, list(pose_columns("1"))] = (1e3 * end.x, 1e3 * end.y, math.degrees(end.theta))
-    frame.to_csv(path, index=False)
-    assert as_read(path).loc[3, "x1"] == pytest.approx(end.x, abs=1e-9)
-    # A turn by 30 degrees moves a mark that is 50 mm and more from the middle by 26 mm and more.
-    frame.loc[3, "theta1_deg"] += 30.0
-    frame.to_csv(path, index=False)
-    refused(
-        filled_text,
-        path,
-        told="push 4: after the push marks and pose contradict .* mm",
-        kind=DataFileError,
-    )
+    table = as_read(altered(tmp_path, told(end, "1", "pose"), 3))
+    assert table.loc[3, "x1"] == pytest.approx(end.x, abs=1e-6)
+
+
+_PLACE_OF_B = told(STATES[2][1], "1", "corners")
+# A turn by 30 degrees moves a mark that is 50 mm and more from the middle by 26 mm and more.
+_TURNED = replace(STATES[3][1], theta=STATES[3][1].theta + math.radians(30.0))
+
+
+@pytest.mark.parametrize(
+    ("cells", "row", "words"),
+    [
+        ({"push_mm": math.nan}, 1, "push 2: push_mm is no number"),
+        ({"push_mm": -80.0}, 1, "push 2: push_mm is -80"),
+        ({"way_y": math.inf}, 1, "push 2: way_y is no number"),
+        ({"mark_b_x_mm": math.nan}, 1, "push 2: mark_b_x_mm is no number"),
+        ({"error_mm": -1.0}, 1, "push 2: error_mm is -1: give 0 or more, or nothing"),
+        ({"error_deg": math.inf}, 1, "push 2: error_deg is inf"),
+        ({"a_x1_mm": math.nan}, 2, "push 3: after the push a_x1_mm is no number"),
+        (
+            {f"a_{axis}1_mm": _PLACE_OF_B[f"b_{axis}1_mm"] for axis in "xy"},
+            2,
+            "push 3: after the push marks a and b are .* mm apart",
+        ),
+        (
+            told(_TURNED, "1", "pose"),
+            3,
+            "push 4: after the push marks and pose contradict .* mm",
+        ),
+        (NOT_PUSHED, slice(None), "no push is filled in"),
+    ],
+)
+def test_what_was_misread_or_lost_is_refused_with_push_and_column(
+    tmp_path: Path, cells: Mapping[str, object], row: object, words: str
+) -> None:
+    refused(filled_text, altered(tmp_path, cells, row), told=words, kind=DataFileError)
+
+
+def test_a_table_without_the_way_of_its_rods_is_no_plan(tmp_path: Path) -> None:
+    path = filled(tmp_path)
+    pd.read_csv(path).drop(columns="way_x").to_csv(path, index=False)
+    assert file_kind(path) is not FileKind.PLANNED
 
 
 def test_swapped_marks_are_warned_of_and_turned_objects_are_not(tmp_path: Path) -> None:
@@ -169,9 +177,7 @@ def test_swapped_marks_are_warned_of_and_turned_objects_are_not(tmp_path: Path) 
         filled_text(path)
     # A robot's frame may be turned against the room's: its poses are believed.
     path = filled(tmp_path, "pose")
-    frame = pd.read_csv(path)
-    frame["set_theta_deg"] += 180.0
-    frame.to_csv(path, index=False)
+    pd.read_csv(path).eval("set_theta_deg = set_theta_deg + 180.0").to_csv(path, index=False)
     assert len(as_read(path)) == len(PUSHES)
 
 
@@ -183,49 +189,20 @@ def test_a_push_that_is_read_twice_is_refused(tmp_path: Path, copies: int, rows:
     paths = [tmp_path / f"read{number}.csv" for number in range(copies)]
     for copy in paths:
         copy.write_text(filled_text(path)[0])
-    refused(
-        collected_blocks,
-        paths,
-        LOOP,
-        told="the push of .* again, all readings the same",
-        kind=DataFileError,
-    )
-
-
-@pytest.mark.parametrize(
-    ("column", "value", "words"),
-    [
-        ("push_mm", math.nan, "push 2: push_mm is no number"),
-        ("push_mm", -80.0, "push 2: push_mm is -80"),
-        ("way_y", math.inf, "push 2: way_y is no number"),
-        ("mark_b_x_mm", math.nan, "push 2: mark_b_x_mm is no number"),
-        ("error_mm", -1.0, "push 2: error_mm is -1: give 0 or more, or nothing"),
-        ("error_deg", math.inf, "push 2: error_deg is inf"),
-    ],
-)
-def test_what_was_planned_and_is_lost_is_refused_with_push_and_column(
-    tmp_path: Path, column: str, value: float, words: str
-) -> None:
-    path = filled(tmp_path)
-    frame = pd.read_csv(path)
-    frame.loc[1, column] = value
-    frame.to_csv(path, index=False)
-    refused(filled_text, path, told=words, kind=DataFileError)
+    again = "the push of .* again, all readings the same"
+    refused(collected_blocks, paths, LOOP, told=again, kind=DataFileError)
 
 
 def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(
     tmp_path: Path,
 ) -> None:
-    path = filled(tmp_path, "pose")
-    frame = pd.read_csv(path)
-    frame[["rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm"]] = (10.0, 20.0, 30.0, 45.0)
-    frame.to_csv(path, index=False)
+    rod = {"rod_x0_mm": 10.0, "rod_y0_mm": 20.0, "rod_x1_mm": 30.0, "rod_y1_mm": 45.0}
+    path = altered(tmp_path, rod, slice(None), "pose")
     table = as_read(path)
-    assert (
-        np.allclose(table[["tip_x0", "tip_y1"]], (0.01, 0.045))
-        and "frames_agree" not in table.columns
-    )
+    assert np.allclose(table[["tip_x0", "tip_y1"]], (0.01, 0.045))
+    assert "frames_agree" not in table.columns
     # A row that was added by hand needs nothing that was planned.
+    frame = pd.read_csv(path)
     frame.loc[1, ["push_mm", "rod_x_mm", "way_x", "mark_a_x_mm"]] = math.nan
     frame.to_csv(path, index=False)
     assert len(as_read(path)) == len(PUSHES)

@@ -8,7 +8,8 @@ from itertools import pairwise
 import foreign_tables
 import numpy as np
 import pytest
-from foreign_tables import CONVENTIONS, agrees, truth
+from foreign_tables import CONVENTIONS, agrees
+from refusals import refused
 
 import cyclemap as cm
 from cyclemap.errors import DataFileError
@@ -22,9 +23,8 @@ def made(tmp_path, noise_mm, convention="ours", seed=3):
     """A stream of 72 cycles with pauses of 2.5 s in two pushes and three rows in a hundred lost,
     and what it holds.
     """
-    table = foreign_tables.Foreign(
-        "made", foreign_tables.stream, ".csv", convention, noise_mm, True, seed
-    )
+    write = foreign_tables.stream
+    table = foreign_tables.Foreign("made", write, ".csv", convention, noise_mm, True, seed)
     return table, table.made(tmp_path, with_collection=False)
 
 
@@ -57,6 +57,12 @@ def test_a_stream_is_cut_alike_in_every_convention(tmp_path, convention) -> None
     assert np.array_equal(straight.segments.pushes, other.segments.pushes)
 
 
+def timed(poses):
+    """Poses (n, 3) at 30 Hz."""
+    table = pandas.DataFrame(poses, columns=["x", "y", "theta"])
+    return table.assign(t=np.arange(len(table)) / 30.0)
+
+
 def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_path) -> None:
     """An object carried about at random."""
     rng, rows, now = np.random.default_rng(0), [], np.zeros(3)
@@ -64,15 +70,8 @@ def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_p
         later = np.concatenate([0.2 * rng.uniform(-1, 1, 2), rng.uniform(-3, 3, 1)])
         rows += [now] * 40 + [now + share * (later - now) for share in np.linspace(0.0, 1.0, 60)]
         now = later
-    table = np.array(rows)
-    stream = {
-        "t": np.arange(len(table)) / 30.0,
-        "x": table[:, 0],
-        "y": table[:, 1],
-        "theta": table[:, 2],
-    }
     with pytest.raises(UnclearStream, match="give a column episode") as caught:
-        cut_stream(tmp_path / "walk.csv", pandas.DataFrame(stream))
+        cut_stream(tmp_path / "walk.csv", timed(rows))
     from cyclemap.views.push_pages import stream_page
 
     assert len(caught.value.seen.rests) > 25 and stream_page(caught.value.seen).axes
@@ -89,9 +88,7 @@ def recorded(marks, creep=0.0):
             rows += [a] * 20 + [a + share * crept for share in np.linspace(0.0, 1.0, 40)]
             a = a + crept
         rows += [a] * 40 + [a + share * (b - a) for share in np.linspace(0.0, 1.0, 60)]
-    table = np.array([*rows, *[marks[-1]] * 40])
-    columns = {"x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
-    return pandas.DataFrame({"t": np.arange(len(table)) / 30.0, **columns})
+    return timed([*rows, *[marks[-1]] * 40])
 
 
 @pytest.mark.parametrize("creep", [0.0, 0.010])
@@ -104,19 +101,12 @@ def test_two_kinds_in_turn_are_told_where_no_ring_is(tmp_path, creep) -> None:
     for number in range(10):
         c, s = math.cos(now[2]), math.sin(now[2])
         pushed = now + np.array([0.05 * c, 0.05 * s, 1.0])
-        now = np.array(
-            [
-                0.03 * math.sin(7.0 * number),
-                0.02 * number,
-                pushed[2] - 1.4 + 0.1 * math.cos(5.0 * number),
-            ]
-        )
+        turned = pushed[2] - 1.4 + 0.1 * math.cos(5.0 * number)
+        now = np.array([0.03 * math.sin(7.0 * number), 0.02 * number, turned])
         marks += [pushed, now]
     columns, seen = cut_stream(tmp_path / "gripper.csv", recorded(marks, creep))
-    turned = columns["theta1"].to_numpy() - columns["theta0"].to_numpy()
-    assert (
-        turned == pytest.approx(1.0, abs=0.02) and len(turned) == 10 and "two kinds" in seen.words
-    )
+    turns = columns["theta1"].to_numpy() - columns["theta0"].to_numpy()
+    assert turns == pytest.approx(np.ones(10), abs=0.02) and "two kinds" in seen.words
 
 
 def test_of_two_poses_again_and_again_the_first_is_a_pushs_begin(tmp_path) -> None:
@@ -148,10 +138,9 @@ def test_a_stream_of_few_rows_a_second_is_cut_as_a_dense_one(tmp_path, rows_apar
 
 
 def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
-    table = truth(0).start[:1] + np.random.default_rng(0).normal(0.0, 0.05, (3000, 3))
-    stream = {"t": np.arange(3000) / 30.0, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
-    with pytest.raises(DataFileError, match=r"hides its motions|no push in it"):
-        cut_stream(tmp_path / "noise.csv", pandas.DataFrame(stream))
+    noise = np.random.default_rng(0).normal(0.0, 0.05, (3000, 3))
+    told = r"hides its motions|no push in it"
+    refused(cut_stream, tmp_path / "noise.csv", timed(noise), told=told, kind=DataFileError)
 
 
 @pytest.mark.slow
@@ -162,37 +151,20 @@ def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(
     """Two poses again and again: a pause within a push does not make drags of all
     that follow it."""
     loop, rng = cm.CollectionLoop.mit("plywood", accuracy=1e-6), np.random.default_rng(7)
-    theta, frames, starts, rate = 1.0, [], [], 30.0
+    theta, rows, starts = 1.0, [], []
+    push, back = np.linspace(0.0, 1.0, 225)[:, None], np.linspace(0.0, 1.0, 150)[:, None]
+    paused = np.insert(push, [90] * 75, push[90], axis=0)
     for number in range(30):
         cycle = loop.cycle(theta)
-        later = cycle.theta_next + math.radians(1.1) * rng.standard_normal()
-        poses = [loop.start_pose(theta), cycle.push.end, loop.start_pose(later)]
-        a, b, c = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
-        share = np.linspace(0.0, 1.0, int(7.5 * rate))
-        if number in pauses:
-            share = np.concatenate(
-                [share[share < 0.4], np.full(int(2.5 * rate), 0.4), share[share >= 0.4]]
-            )
-        back = np.linspace(0.0, 1.0, int(5.0 * rate))
-        still = int(rate * rng.uniform(0.8, 1.6))
-        frames += [
-            np.repeat(a[None], still, axis=0),
-            a + share[:, None] * (b - a),
-            np.repeat(b[None], still, axis=0),
-        ]
-        frames.append(b + back[:, None] * (c - b))
         starts.append(theta)
-        theta = later
-    table = np.concatenate([*frames, np.repeat(c[None], 40, axis=0)])
-    table = table + noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)]) * rng.standard_normal(
-        table.shape
-    )
-    stream = {
-        "t": np.arange(len(table)) / rate,
-        "x": table[:, 0],
-        "y": table[:, 1],
-        "theta": table[:, 2],
-    }
-    columns, _ = cut_stream(tmp_path / "locked.csv", pandas.DataFrame(stream))
+        theta = cycle.theta_next + math.radians(1.1) * rng.standard_normal()
+        poses = [loop.start_pose(starts[-1]), cycle.push.end, loop.start_pose(theta)]
+        a, b, c = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
+        still = int(rng.uniform(24.0, 48.0))
+        share = paused if number in pauses else push
+        rows += [*[a] * still, *(a + share * (b - a)), *[b] * still, *(b + back * (c - b))]
+    table = np.array([*rows, *[c] * 40])
+    table += noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)]) * rng.normal(size=table.shape)
+    columns, _ = cut_stream(tmp_path / "locked.csv", timed(table))
     assert columns["theta0"].to_numpy() == pytest.approx(starts, abs=0.01 + 0.03 * noise_mm)
     assert np.degrees(columns["theta1"].to_numpy() - columns["theta0"].to_numpy()).min() > 60.0
