@@ -313,7 +313,7 @@ def within_error(bias: float, error: float | None, count: int, seen: float = 0.0
     1.96 + 2.9694 b + 0.4160 b² - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window); of three
     and four values it is that of independent normal ones. A mean of 0 is measured to be refused in
     4.2 to 5.7 % of cases where values are independent; at a correlation of 0.4 with the next value
-    in 12 to 16 % below ten values, 8 % of 20, 6 % of 100.
+    in 10 to 19 % below ten values, 8 % of 20, 6 % of 100.
 
     >>> within_error(2.2, 1.0, 20), within_error(2.2, 1.0, 2000)
     (True, False)
