@@ -424,3 +424,7 @@ def test_a_multiplier_beyond_all_floats_is_infinite_with_no_bound():
     repels = found.kind == "unstable"
     assert np.array_equal(found.multiplier, np.where(repels, np.inf, 0.0))
     assert np.array_equal(found.multiplier_error, np.where(repels, np.inf, 0.0))
+    # On the repelling point itself, 0 to the last digit, no iterate leaves it.
+    told = r"the slope of F\^[0-9]+ is beyond all floats at θ = 0: ask for a shorter period"
+    still = CircleMap.moebius(0.999, 0.0)
+    refused(periodic_points, still, 120, told=told, kind=ConvergenceError)
