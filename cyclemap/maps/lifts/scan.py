@@ -357,11 +357,18 @@ def _evaluated(
     rounding = np.ones_like(here)
     for _ in range(period):
         steepness = circle_map.derivative(image)
-        slope = slope * steepness
-        rounding = np.abs(steepness) * rounding + 1.0
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            slope = slope * steepness
+            rounding = np.abs(steepness) * rounding + 1.0
         image = circle_map(image)
         steepest = np.max(np.abs(slope), axis=0) * width
         longest = np.maximum(longest, np.maximum(steepest, np.abs(image[1] - image[0])))
+    beyond = ~(np.isfinite(slope) & np.isfinite(rounding))
+    if np.any(beyond):
+        raise ConvergenceError(
+            f"the slope of F^{period} is beyond all floats at θ = {here[beyond][0]:.6g}: ask for a "
+            "shorter period"
+        )
     g_slope = slope - shift
     g = image - shift * here - inset * g_slope
     ends = (g[0], g[1], g_slope[0], g_slope[1])

@@ -415,7 +415,8 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
     theta = start
     for _ in range(_NEWTON):
         visited = orbit_angles(circle_map, theta, period + 1)
-        multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
+        with np.errstate(over="ignore"):
+            multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
         if abs(multiplier) >= 1.0:
             return None
         step = float(shorter_way(visited[-1] - theta)) / (1.0 - multiplier)

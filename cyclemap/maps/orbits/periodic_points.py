@@ -185,8 +185,9 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     prime, (right, left), slope_error = _followed(circle_map, theta, image, bound, n)
     # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
     flips = (left < 0.0) & (right < 0.0)
-    growth = np.where(flips, np.sqrt(np.abs(left * right)), np.maximum(left, right))
-    unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
+    mean = np.sqrt(np.abs(left)) * np.sqrt(np.abs(right))
+    growth = np.where(flips, mean, np.maximum(left, right))
+    unsure = np.maximum(NEUTRAL, np.where(slope_error < _TRUSTED, slope_error, 0.0))
     kind = _kinds(growth, unsure)
     kind[role == _TOUCH] = "saddle-node"
     kind[role == _BORDER] = "border-collision"
@@ -285,6 +286,7 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
     return np.where(away <= allowed, nearest, -1)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a multiplier beyond all floats is inf
 def _followed(
     circle_map: CircleMap, theta: Array, image: Whole, bound: Array, period: int
 ) -> tuple[Whole, Array, Array]:
@@ -321,7 +323,8 @@ def _followed(
         back = np.where(index >= 0, index == np.arange(theta.size), near)
         prime = np.where(back & (prime == period) & (period % passed == 0), passed, prime)
     size = np.max(np.abs(multiplier), axis=0)
-    return prime, multiplier, largest - product + 4.0 * EPS * period * (largest + size)
+    error = largest - product + 4.0 * EPS * period * (largest + size)
+    return prime, multiplier, np.where(np.isfinite(size), error, np.inf)
 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:

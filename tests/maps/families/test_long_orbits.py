@@ -100,6 +100,14 @@ def test_four_standard_errors_of_chaotic_members_hold_their_exponents():
     assert np.mean(off <= 0.25 * found.error) < 0.8
 
 
+def test_a_steep_orbit_that_nearly_closes_after_hundreds_of_cycles_has_its_exponent():
+    """Of 512 slopes near 10 the product is beyond all floats; ln(K/2) is the mean of ln|1 - K cos θ|
+    over the circle, on which K = 20 spreads orbits all but evenly.
+    """
+    steep = lyapunov_exponent(CircleMap.arnold(0.3, 20.0))
+    assert abs(steep - np.log(10.0)) <= steep.error_bound < 0.05
+
+
 @pytest.mark.slow
 def test_a_chaotic_orbit_has_a_statistical_bound():
     """Of 4,000 cycles of x → 3x the mean of cos has a bound of the order of the sampling error."""

@@ -415,3 +415,16 @@ def test_a_touch_may_be_as_far_off_as_the_tangency_lets_it():
     # |g| ≤ tangency lets the roots be anywhere within √(2e-12/0.9).
     assert 1e-6 < touch.error_bound < 4e-6
     assert abs(touch.points[0] - np.pi / 2) < 1e-9
+
+
+def test_a_multiplier_beyond_all_floats_is_infinite_with_no_bound():
+    """(1/λ)ⁿ of the repelling point of a Möbius map, λ = 6e-4 and n = 120; λⁿ is 0 as a float."""
+    found = periodic_points(CircleMap.moebius(0.999, 0.1), 120)
+    assert sorted(found.kind) == ["stable", "unstable"]
+    repels = found.kind == "unstable"
+    assert np.array_equal(found.multiplier, np.where(repels, np.inf, 0.0))
+    assert np.array_equal(found.multiplier_error, np.where(repels, np.inf, 0.0))
+    # On the repelling point itself, 0 to the last digit, no iterate leaves it.
+    told = r"the slope of F\^[0-9]+ is beyond all floats at θ = 0: ask for a shorter period"
+    still = CircleMap.moebius(0.999, 0.0)
+    refused(periodic_points, still, 120, told=told, kind=ConvergenceError)
