@@ -426,8 +426,13 @@ class _Test:
         """How far off each push is (n,), m: place, and turn by the object's lever."""
         own, turn = self.written.read(reading)
         motion, expected_turn = self.expected(own)
-        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
-        off = 0.0 if reading.angle != 1.0 else self.lever * (turn - expected_turn)
+        off = self.lever * (turn - expected_turn)
+        if reading.angle != 1.0:
+            # Turns were taken the shorter way round in the unit as read: of another they tell no
+            # more than that a turn is no larger than the angles are that it lies between.
+            ends = self.written.rows[["theta0", "theta1"]].to_numpy(dtype=float)
+            most = 2.0 * reading.angle * (float(np.abs(ends).max()) + math.pi)
+            off = self.lever * np.maximum(np.abs(expected_turn) - most, 0.0)
         return np.hypot(np.abs(own[:, 0] - motion), off)
 
     def distance(self, reading: _Reading) -> float:

@@ -145,6 +145,8 @@ def without_noise(settings: Mapping[str, object]) -> tuple[Settings, float | Non
     return {key: value for key, value in settings.items() if key != NOISE_KEY}, sigma
 
 
+# Centres as near, in extents of the outline, are one: cells of a coarse grid have no nearer one.
+_SAME_CENTRE = 0.02
 # What an outline that is not MIT's is called until it is given a name.
 OWN_OUTLINE = "own outline"
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
@@ -225,6 +227,11 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
     InvalidInput
         For a key that is no setting, and for a bad value.
 
+    Warns
+    -----
+    DoubtfulInput
+        Where a centre of mass is set that support points do not have.
+
     Examples
     --------
     >>> from cyclemap.protocol import loop_from_settings
@@ -260,7 +267,24 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
                 set_here["way_points"] = _points(settings, "way_points_mm")
             changes[name] = replace(getattr(loop, name), **set_here)
     with _blaming(settings, "footprint"):
-        return replace(loop, **changes, footprint=_footprint(loop, slider, settings))
+        footprint = _footprint(loop, slider, settings)
+        if isinstance(footprint, PointFootprint) and {"centre_x_mm", "centre_y_mm"} & {*settings}:
+            _warn_of_two_centres(footprint, slider)
+        return replace(loop, **changes, footprint=footprint)
+
+
+def _warn_of_two_centres(points: PointFootprint, slider: Slider) -> None:
+    """Warn (`DoubtfulInput`) of a centre of mass that is set, and that support points do not have."""
+    if math.dist(points.centre, slider.centre_of_mass) > _SAME_CENTRE * slider.outline.extent:
+        borne, set_to = (
+            f"({MILLIMETRES.of_si(x):.1f}, {MILLIMETRES.of_si(y):.1f}) mm"
+            for x, y in (points.centre, slider.centre_of_mass)
+        )
+        doubt = (
+            f"support points carry the object about {borne}, its centre of mass is set to {set_to}: "
+            "strokes go by the points; give weights that have that centre, or footprint=exact"
+        )
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
 
 
 def _footprint(loop: CollectionLoop, slider: Slider, settings: Settings) -> Footprint | None:

@@ -24,6 +24,7 @@ from cyclemap.evidence.comparison.cycle_agreement import (
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     QuantityAgreement,
+    astray,
     mean_distances,
     pooled_quantities,
 )
@@ -227,6 +228,8 @@ def explanation_sentences(name: str, comparison: Comparison) -> list[str]:
 
 # A prediction is rejected below this p-value.
 LEVEL = 0.05
+# A few pushes in a hundred go wrong on any robot.
+_MOST_ASTRAY = 0.1
 # More sets of pushes than this are told as one.
 MOST_SETS = 3
 _KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slow zone"}
@@ -359,13 +362,23 @@ def _error(agreement: QuantityAgreement) -> str:
 
 
 def _ends_verdict(pushes: tuple[PushAgreement, ...]) -> Verdict:
-    """What knowing the friction is worth: distances, not coordinates; nothing is tested."""
+    """What knowing the friction is worth: distances, not coordinates; nothing is tested. But pushes
+    of which many go astray are others than were predicted, whatever their means are.
+    """
     (off, turned), (isotropic_off, isotropic_turned) = mean_distances(pushes)
     words = (
         f"Pushes end {1e3 * off:.1f} mm and {angle(turned)} from the prediction on average; "
         f"isotropic friction is {1e3 * isotropic_off:.1f} mm and {angle(isotropic_turned)} off."
     )
-    return Verdict("ends of pushes", None, words)
+    count = sum(agreement.count for agreement in pushes)
+    lost = astray(pushes)
+    if lost <= _MOST_ASTRAY * count:
+        return Verdict("ends of pushes", None, words)
+    words += (
+        f" {lost} of {count} end further from it than half their way, or turned by more than 35° "
+        "against it: are all of this object, and of this push?"
+    )
+    return Verdict("ends of pushes", False, words)
 
 
 def _turn_verdict(agreement: CycleAgreement) -> Verdict:

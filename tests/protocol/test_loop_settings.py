@@ -119,6 +119,18 @@ def test_the_exact_footprint_leans_as_the_centre_of_mass_asks_and_keeps_its_rim_
     assert loop_from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
+def test_a_centre_of_mass_that_support_points_do_not_have_is_told():
+    """Strokes go by the points alone: one that is set beside them would count for nothing."""
+    with pytest.warns(DoubtfulInput, match=r"about \(-?0.0, -?0.0\) mm, .* \(20.0, 0.0\) mm"):
+        loop = loop_from_settings({"footprint": "grid:8", "centre_x_mm": 20})
+    even = loop_from_settings({"footprint": "grid:8"})
+    assert loop.cycle(0.3).push_turn == even.cycle(0.3).push_turn
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loop_from_settings({"footprint": "grid:8", "centre_x_mm": 0.5})
+        loop_from_settings({"centre_x_mm": 20})
+
+
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
     base = loop_from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
     loop = loop_from_settings({"push_mm": 80}, base)

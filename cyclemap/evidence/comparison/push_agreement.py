@@ -37,6 +37,8 @@ _CRITICAL_OF_FEW = {3: 6.9, 4: 5.6}
 # Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the
 # mean moves.
 _SAMPLED_PUSHES = 100
+# Pushes of the object that is meant end within a tenth of their way of any surface's, or so.
+_LOST_SHARE, _LOST_TURN = 0.5, math.radians(35.0)
 
 
 @dataclass(frozen=True)
@@ -224,6 +226,18 @@ def mean_distances(sets: Sequence[PushAgreement]) -> list[tuple[float, float]]:
         turn, x, y = off.T
         distances.append((float(np.mean(np.hypot(x, y))), float(np.mean(np.abs(turn)))))
     return distances
+
+
+def astray(sets: Sequence[PushAgreement]) -> int:
+    """How many pushes end further from the prediction than half their way, or turned by more than
+    35 degrees against it.
+    """
+    count = 0
+    for pushes in sets:
+        turn, x, y = (pushes.predicted - pushes.measured).T
+        lost = (np.hypot(x, y) > _LOST_SHARE * pushes.length) | (np.abs(turn) > _LOST_TURN)
+        count += int(lost.sum())
+    return count
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:

@@ -83,6 +83,25 @@ def test_a_wrong_reading_is_refused_with_the_words_of_a_right_one(tmp_path, name
         assert agrees(motions(pushes), table)
 
 
+def test_ends_in_the_objects_own_frame_are_no_angles_in_degrees(tmp_path) -> None:
+    """Were radians degrees all pushes would begin at next to nothing, and these ends fit; but the
+    object would hardly turn.
+    """
+    made = foreign_tables.wrapped_canonical
+    table = foreign_tables.Foreign("made", made, ".csv", "ours", 0.0, True, 3)
+    path = table.made(tmp_path, with_collection=False)
+    header, *lines = path.read_text().splitlines()
+    poses = np.array([line.split(",") for line in lines], dtype=float)
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x, y = (poses[:, 3:5] - poses[:, :2]).T
+    poses[:, 3], poses[:, 4] = c * x + s * y, c * y - s * x
+    poses[:, :2] = 0.0
+    text = "\n".join(",".join(map(str, row)) for row in poses.tolist())
+    path.write_text(f"{header}\n{text}\n")
+    (said,) = check_pushes(cm.load_pushes(path), loop())
+    assert "no reading explains them" in said and "--units" not in said
+
+
 def test_without_a_loop_pushes_that_should_be_alike_tell_the_sense_and_not_the_hand(
     tmp_path,
 ) -> None:
