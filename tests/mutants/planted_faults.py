@@ -274,7 +274,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("flips = (left < 0.0) & (right < 0.0)", "flips = (left < 0.0) | (right < 0.0)"),
             (
-                "unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))",
+                "unsure = np.maximum(NEUTRAL, np.where(slope_error < _TRUSTED, slope_error, 0.0))",
                 "unsure = NEUTRAL",
             ),
             # The margin of the first bracket is no fault to plant: brackets widen until these hold.

@@ -2,8 +2,10 @@
 
 A part has its share of the load, its rows, and the nodes that stand for them from afar, by which
 Python and C know it. What else a new one needs: its share in ``PatchFootprint`` (with the centre of
-pressure, and in ``pressure_points``), in ``PlatePressure`` and in ``settings.toml``; where its rows
-are points that come to rest, ``pressure.c`` must count them apart from the corners.
+pressure, and in ``pressure_points``), in ``PlatePressure`` and in ``settings.toml``, a row in
+``explorer_page.py`` where some outlines cannot have it, and a part that balances it, which
+``browser_tables.py`` tells the page, where its mean is not the centroid. Points that come to rest
+are counted in ``contact.c`` and left out in ``pressure.c``: both know those of the corners alone.
 """
 
 from collections.abc import Mapping
