@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.figure import Figure
 from scipy.ndimage import binary_dilation, binary_opening
 
@@ -62,6 +62,8 @@ _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
 _SPACED_UNITS = {"degree": "°", "mm": " mm", "kg": " kg"}
 _ROTATION = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
 _MOST_COUNTS = 8
+# Positive values that differ by more than this factor are drawn by their logarithms.
+_DECADES = 1e3
 _LONGEST_NAME = 22
 # Planes with as many values along both axes are fine enough for tongues to be more than a cell
 # wide.
@@ -231,6 +233,8 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
 def _shades(values: Array) -> tuple[Look, Array | None]:
     """One shade for each small count, light to dark; shades that run on for all else."""
     known = values[np.isfinite(values)]
+    if _spans_decades(known):
+        return {"cmap": "cividis", "norm": LogNorm()}, None
     counted = (
         known.size > 0
         and bool(np.all(known == np.round(known)))
@@ -243,6 +247,11 @@ def _shades(values: Array) -> tuple[Look, Array | None]:
     shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
     norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
     return {"cmap": shades, "norm": norm}, levels
+
+
+def _spans_decades(known: Array) -> bool:
+    """Whether finite values are told apart by their logarithms alone, as rests of cycles are."""
+    return known.size > 1 and known.min() > 0.0 and bool(known.max() > _DECADES * known.min())
 
 
 def _name_ticks(side: Axis, axis: SweepAxis) -> None:
@@ -285,6 +294,8 @@ def draw_swept_line(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
         mark = "o-" if axis.is_number else "o"
         axes.plot(axis.positions, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
         axes.set(xlabel=key_label(axis.key), ylabel=quantity_label(quantity))
+        if _spans_decades(values[known]):
+            axes.set_yscale("log")
     endless = axis.positions[np.isposinf(values)]
     if endless.size:
         level = np.full(endless.size, 0.98)

@@ -144,6 +144,17 @@ def test_what_is_infinite_is_marked_as_without_end(swept, tmp_path) -> None:
         assert sorted(map(tuple, placed)) == sorted(map(tuple, expected))
 
 
+@pytest.mark.parametrize("keys", [1, 2])
+@pytest.mark.parametrize(("largest", "scale"), [(1e244, "log"), (900.0, "linear")])
+def test_values_of_many_decades_are_drawn_by_their_logarithms(swept, keys, largest, scale) -> None:
+    over = dict(list({"hitch_x_mm": (-8.0, -4.0, 0.0), "mu_a": (0.2, 0.25, 0.3)}.items())[:keys])
+    sweep = swept(SweepPlan.grid("plywood", over, numbers=FakeNumbers()))
+    table = sweep.table.assign(fixed_points=np.geomspace(1.5, largest, len(sweep)))
+    axes = panels(page_of(replace(sweep, table=table), ("fixed_points",)))[-1]
+    shades = [type(mesh.norm).__name__ == "LogNorm" for mesh in axes.collections if mesh.norm]
+    assert (axes.get_yscale() == "log" if keys == 1 else any(shades)) == (scale == "log")
+
+
 def test_what_cannot_be_drawn_is_refused(swept) -> None:
     over = {"mu_a": (0.2, 0.3), "mu_b": (0.2, 0.3), "hitch_x_mm": (-8.0, 0.0)}
     plan = SweepPlan.grid("plywood", over, numbers=FakeNumbers())
