@@ -306,6 +306,11 @@ def _force_blocks(records: Sequence[PushRecord], loop: CollectionLoop) -> Taken:
         return
     count = len(np.unique(sliding.push))
     words = f"{pieces} force ratios while the rod slides, in {count} pushes"
+    if count == 1:
+        words = (
+            f"{pieces} force ratios while the rod slides in one push: errors that they share are not "
+            "told, and the interval of pusher_friction is too narrow by them"
+        )
     yield SessionBlock(force_ratio_block(sliding), words)
 
 

@@ -371,3 +371,14 @@ def test_pushes_at_few_contacts_are_said_to_make_narrow_intervals(tmp_path) -> N
     assert any("12 pushes at 4 contacts alone" in note for note in found.notes)
     few = collected_blocks([write(tmp_path / "each.csv", ENDS, rows[:4])], LOOP)
     assert not any("alone" in note for note in few.notes)
+
+
+def test_pieces_of_one_push_are_said_to_share_errors_that_are_not_told(data, tmp_path) -> None:
+    """Each of several pushes is a group; those of one alone cannot tell what they share."""
+    loop = CollectionLoop.mit(SLATE, accuracy=1e-6)
+    simulate_collection(loop, tmp_path, 1, noise=NOISE, seed=1, start=0.3)
+    alone = collected_blocks([tmp_path], LOOP)
+    assert names(alone)["force ratios"] >= 3
+    said = "errors that they share are not told"
+    assert any(said in note for note in alone.notes)
+    assert not any(said in note for note in data.notes)
