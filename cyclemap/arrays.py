@@ -54,6 +54,16 @@ def stretches(mask: Mask) -> list[tuple[int, int]]:
     return [(first, end) for first, end in edges.reshape(-1, 2).tolist()]
 
 
+def widest_gap(angles: Array) -> float:
+    """Return the widest gap, rad, that angles (n,), n ≥ 1, rad, leave on the circle.
+
+    >>> round(widest_gap(np.array([0.0, 1.0, 7.0])), 6)
+    5.283185
+    """
+    places = np.sort(np.mod(angles, TWO_PI))
+    return float(np.diff(places, append=places[0] + TWO_PI).max())
+
+
 def evenly_spread(count: int, most: int) -> list[int]:
     """Return at most so many of the places 0, ..., count - 1, evenly spread.
 

@@ -19,7 +19,13 @@ from cyclemap.checks import (
 )
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.foundation import PressedFootprint
-from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, area_quadrature
+from cyclemap.mechanics.outline import (
+    Ellipse,
+    Outline,
+    Polygon,
+    area_quadrature,
+    nearest_on_polyline,
+)
 from cyclemap.text_files import read_csv_table, require_columns
 
 # The outline scaled by this about its centroid carries the inner share.
@@ -327,12 +333,9 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
 
 def _on_sides(outline: Polygon, points: Array) -> Mask:
     """Whether points (k, 2) lie on a side, but for rounding."""
-    begin = outline.array
-    side = np.roll(begin, -1, axis=0) - begin
-    along = ((points[:, None] - begin) * side).sum(axis=-1) / (side**2).sum(axis=-1)
-    nearest = begin + np.clip(along, 0.0, 1.0)[..., None] * side
-    away = np.hypot(*np.moveaxis(points[:, None] - nearest, -1, 0)).min(axis=1)
-    return np.asarray(away <= _ON_SIDE * outline.extent)
+    corners = outline.array
+    nearest, _ = nearest_on_polyline(points, np.vstack([corners, corners[:1]]))
+    return np.asarray(np.hypot(*(points - nearest).T) <= _ON_SIDE * outline.extent)
 
 
 def corner_footprint(outline: Polygon) -> PointFootprint:

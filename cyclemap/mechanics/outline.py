@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, widest_gap
 from cyclemap.checks import finite_array, point, positive_number, read_only
 from cyclemap.errors import InvalidInput
 
@@ -103,9 +103,8 @@ class Polygon:
         True
         """
         x, y = (self.array - place).T
-        around = np.sort(np.arctan2(y, x))
         # From inside the hull the vertices are seen all around, without a gap of half a turn.
-        return bool(np.diff(around, append=around[0] + TWO_PI).max() < np.pi)
+        return widest_gap(np.arctan2(y, x)) < np.pi
 
     def encloses(self, other: "Polygon") -> bool:
         """Whether another polygon lies inside, touching no side."""
@@ -287,3 +286,17 @@ def _sides_meet(first: Array, second: Array) -> NDArray[np.bool_]:
     cross = (across_ab < 0.0) & (across_cd < 0.0)
     touch = boxed & (across_ab <= 0.0) & (across_cd <= 0.0)
     return np.asarray(cross | touch)
+
+
+def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the
+    edge (n,) it is on.
+    """
+    first = polyline[:-1]
+    edge = np.diff(polyline, axis=0)
+    # An edge without length is a point.
+    squares = np.maximum(np.sum(edge * edge, axis=-1), np.finfo(float).tiny)
+    share = np.sum((points[:, None] - first) * edge, axis=-1) / squares
+    on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
+    nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
+    return on_edge[np.arange(len(points)), nearest], nearest

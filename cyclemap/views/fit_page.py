@@ -44,7 +44,7 @@ from cyclemap.views.panels.style import (
     say,
     stability,
 )
-from cyclemap.views.sentences import angle, listed, multiplier_sentence, number, rounded
+from cyclemap.views.sentences import angle, counted, listed, multiplier_sentence, number, rounded
 
 LATE_BAND: Look = {**BAND, "color": "#cfcfcf", "alpha": 0.75}
 
@@ -195,7 +195,7 @@ def law_sentence(law: MotionLaw) -> str:
         return f"{spread}; θ0 tells next to nothing of it."
     left = f"{amount(law, fitted.rmse)} ({fitted.percent:.1f} %)"
     unseen = f"{amount(law, law.cross_validated_rmse)} in pushes left out"
-    order = f"{fitted.harmonics} harmonic{'s' if fitted.harmonics != 1 else ''}"
+    order = counted(fitted.harmonics, "harmonic")
     return f"{spread}; a law of θ0 with {order} leaves {left}, {unseen}."
 
 
@@ -278,8 +278,7 @@ def order_sentence(measured: MeasuredCycleMap) -> str:
     most = (
         tried.rmse_by_order is not None and 1 < tried.rmse_by_order.shape[-1] == tried.harmonics + 1
     )
-    many = "" if law.harmonics == 1 else "s"
-    order = f"{law.harmonics} harmonic{many}{' (the most tried)' if most else ''}"
+    order = f"{counted(law.harmonics, 'harmonic')}{' (the most tried)' if most else ''}"
     return f"Cycle map of {measured.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
 
 

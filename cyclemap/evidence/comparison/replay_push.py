@@ -12,9 +12,10 @@ import numpy as np
 from cyclemap.arrays import Array, Place, along_way
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
-from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, nearest_on_polyline
+from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
 from cyclemap.evidence.pushes.recordings import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
+from cyclemap.mechanics.outline import nearest_on_polyline
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, widest_gap
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.periodic_law import (
@@ -544,8 +544,7 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
             "order"
         )
     steps = find_steps(path)
-    places = np.sort(np.mod(pairs.theta, TWO_PI))
-    gap = float(np.diff(places, append=places[0] + TWO_PI).max())
+    gap = widest_gap(pairs.theta)
     harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
     problem = ""
     if gap > _WIDEST_GAP:

@@ -16,7 +16,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import fourier_columns, student_quantile, weighted_fit
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw, scatter_weights
 from cyclemap.evidence.laws.push_sets import FEWEST
 from cyclemap.evidence.laws.turn_bins import AngleHistogram, angle_histogram, is_covered
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
@@ -393,10 +393,12 @@ def _misfit(law: PeriodicLaw, theta: Array, off: Array, local: Array) -> tuple[A
     What one harmonic more adds to it, as the interval of a smoother is centred by a rougher one
     (Calonico, Cattaneo & Titiunik 2014): the order is chosen to predict, and leaves out what it
     cannot tell from chance; inf where the pairs fix no more. Or ``local``, where that is more.
+
+    theta, off : (n,) of the pairs; local, and what is returned: at the places around.
     """
     columns = fourier_columns(theta, law.harmonics + 1)
     count, size = columns.shape
-    weight = law.noise(theta) ** -2.0
+    weight = scatter_weights(theta, law.log_variance)
     try:
         richer = weighted_fit(columns, off, weight)
     except InvalidInput:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import Array, widest_gap
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
@@ -143,9 +143,7 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
             "yourself"
         )
     # In a gap wider than half a wave of it a series may do anything.
-    places = np.sort(np.mod(theta, TWO_PI))
-    gap = float(np.max(np.diff(places, append=places[0] + TWO_PI)))
-    orders = np.arange(min(_MAX_NOISE_HARMONICS, int(np.pi / gap)) + 1)
+    orders = np.arange(min(_MAX_NOISE_HARMONICS, int(np.pi / widest_gap(theta))) + 1)
     losses = np.zeros((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)

@@ -10,10 +10,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array, Mask, along_way
 from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
+from cyclemap.mechanics.outline import nearest_on_polyline
 from cyclemap.mechanics.slider import Pusher
 
 MIT_ROD_RADIUS = Pusher().radius
@@ -217,17 +217,3 @@ def _within(wrench: Array, clocks: tuple[Array, ...]) -> tuple[Array, Array]:
         time <= min(clock[-1, 0] for clock in clocks)
     )
     return time[kept], wrench[kept, 1:3]
-
-
-def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the
-    edge (n,) it is on.
-    """
-    first = polyline[:-1]
-    edge = np.diff(polyline, axis=0)
-    # An edge without length is a point.
-    squares = np.maximum(np.sum(edge * edge, axis=-1), np.finfo(float).tiny)
-    share = np.sum((points[:, None] - first) * edge, axis=-1) / squares
-    on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
-    nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
-    return on_edge[np.arange(len(points)), nearest], nearest
